@@ -1,0 +1,95 @@
+"""Every error fapstream raises on purpose, in one tree that says whose fault it is.
+
+The facts are attributes, so that a caller can act on them without reading the message.
+"""
+
+from __future__ import annotations
+
+
+class FapstreamError(Exception):
+    """Root of the tree."""
+
+    code = "internal"
+    """Short stable name; the one that travels in the protocol's `error` message."""
+
+
+class InputError(FapstreamError):
+    """What the user or the other side handed in cannot be used."""
+
+    code = "bad_input"
+
+
+class TextTooLong(InputError):
+    """More unspoken text than the limit; nothing accepted before is lost."""
+
+    code = "text_too_long"
+
+    def __init__(self, pending: int, limit: int) -> None:
+        super().__init__(
+            f"{pending} characters would be waiting to be spoken; the limit is {limit}. "
+            "Wait until some has been spoken and send the fragment again."
+        )
+        self.pending = pending
+        self.limit = limit
+
+
+class UnknownVoice(InputError):
+    code = "unknown_voice"
+
+    def __init__(self, name: str, known: tuple[str, ...]) -> None:
+        super().__init__(f"no voice called {name[:40]!r}; there are: {', '.join(known)}")
+        self.name = name
+        self.known = known
+
+
+class UnknownLanguage(InputError):
+    code = "unknown_language"
+
+    def __init__(self, name: str, known: tuple[str, ...]) -> None:
+        super().__init__(f"no language called {name[:40]!r}; there are: {', '.join(known)}")
+        self.name = name
+        self.known = known
+
+
+class DataError(FapstreamError):
+    """A table or asset cannot be read; says which file and line."""
+
+    code = "bad_data"
+
+    def __init__(self, path: str, line: int | None, reason: str) -> None:
+        where = path if line is None else f"{path}:{line}"
+        super().__init__(f"{where}: {reason}")
+        self.path = path
+        self.line = line
+        self.reason = reason
+
+
+class ProtocolError(FapstreamError):
+    """The conversation broke the contract in protocol/SPEC.md."""
+
+    code = "protocol"
+
+
+class LocalProtocolError(ProtocolError):
+    """We tried to send something the contract does not allow; nothing was changed."""
+
+
+class RemoteProtocolError(ProtocolError):
+    """The other side sent something the contract does not allow."""
+
+    def __init__(self, message: str, code: str = "protocol", fatal: bool = True) -> None:
+        super().__init__(message)
+        self.code = code
+        self.fatal = fatal
+
+
+class SynthesisError(FapstreamError):
+    """The voice failed and could not be brought back."""
+
+    code = "synthesis_failed"
+
+
+class VoiceUnavailable(SynthesisError):
+    """The voice is known, but its program or database is not on this machine."""
+
+    code = "voice_unavailable"

@@ -1,0 +1,57 @@
+"""The few doors to the outside world, as typing protocols. Adapters stand behind them."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import Protocol
+
+from fapstream.records import Speech, Utterance
+
+
+class Synthesizer(Protocol):
+    """One voice speaking one turn: phones in, sound and the phones' true times out.
+
+    The turn's clock is the index of the samples that `speech()` yields. Write and read may run
+    at the same time; what is written first is heard first.
+    """
+
+    sample_rate: int
+    """Samples per second of everything this turn yields."""
+
+    async def write(self, utterance: Utterance) -> None:
+        """Hand over the next phones. Returns once they are accepted, not once they are heard.
+
+        Raises SynthesisError when the voice is beyond help.
+        """
+
+    async def flush(self) -> None:
+        """Make everything written so far audible now, closing with a short silence if need be."""
+
+    async def finish(self) -> None:
+        """Flush, and end `speech()` after the last sample."""
+
+    def speech(self) -> AsyncIterator[Speech]:
+        """Sound as it is made, gapless, from sample 0. Raises SynthesisError."""
+
+    async def aclose(self) -> None:
+        """Give the voice back, whatever state it is in. Safe to call twice."""
+
+
+class SynthesizerPool(Protocol):
+    """Where warm voices come from."""
+
+    async def acquire(self, voice: str) -> Synthesizer:
+        """A voice ready for one turn. Raises UnknownVoice, VoiceUnavailable."""
+
+    async def aclose(self) -> None:
+        """End every process."""
+
+
+class Clock(Protocol):
+    """Monotonic time, handed in so that pacing can be tested without waiting."""
+
+    def now(self) -> float:
+        """Seconds from an arbitrary origin."""
+
+    async def sleep_until(self, when: float) -> None:
+        """Return at `when` or later."""

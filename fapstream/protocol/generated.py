@@ -1,0 +1,381 @@
+"""Generated from protocol/schema by tools/generate_protocol.py. Do not edit."""
+
+# ruff: noqa: E501
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+SUBPROTOCOL = "fapstream.v1"
+MAX_MESSAGE_BYTES = 1048576
+MAX_FRAGMENT_BYTES = 65536
+MAX_PENDING_TEXT = 262144
+MAX_PENDING_TURNS = 16
+HELLO_DEADLINE_MS = 5000
+INTERRUPT_DEADLINE_MS = 2000
+PACKET_MS = 40
+MAX_FAPS = 68
+
+
+@dataclass(frozen=True, slots=True)
+class FieldSpec:
+    """What the codec checks of one field; see protocol/SPEC.md for the types."""
+
+    name: str
+    type: str
+    optional: bool = False
+    min: int | None = None
+    max: int | None = None
+    enum: tuple[str | int, ...] = ()
+    of: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Voice:
+    """Part of a message: voice."""
+
+    name: str
+    """what `speak.voice` takes"""
+    lang: str
+    """language it speaks, `en` or `el`"""
+    engine: str
+    """`mbrola` or `espeak`"""
+    sample_rate: int
+    """Hz"""
+    description: str | None = None
+    """for people"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """Part of a message: mark."""
+
+    kind: Literal["phone", "word", "caption", "expression"]
+    """what begins"""
+    sample: int
+    """sample of the turn at which it begins to be heard"""
+    duration: int
+    """samples"""
+    text: str
+    """phone name, word as written, caption, or expression name"""
+    char_start: int | None = None
+    """first code point in the turn's text"""
+    char_end: int | None = None
+    """one past the last code point"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hello:
+    """First message of a session; nothing else is taken before it."""
+
+    type: ClassVar[str] = "hello"
+    client: str | None = None
+    """program and version, for logs"""
+    fps: Literal[25, 50] | None = None
+    """FAP frames a second; 25 if absent"""
+    lang: str | None = None
+    """default language of turns"""
+    voice: str | None = None
+    """default voice of turns"""
+    token: str | None = None
+    """reserved for authorisation"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Speak:
+    """A fragment of a turn's text; the first one opens the turn."""
+
+    type: ClassVar[str] = "speak"
+    turn: int
+    """chosen by the client, ascending"""
+    text: bytes
+    """UTF-8 bytes (`bin`), or a whole `str`"""
+    lang: str | None = None
+    """language of this turn; read from the first fragment only"""
+    voice: str | None = None
+    """voice of this turn; read from the first fragment only"""
+    rate: int | None = None
+    """speaking rate in percent; read from the first fragment only"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class End:
+    """The turn's text is complete."""
+
+    type: ClassVar[str] = "end"
+    turn: int
+    """the turn"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interrupt:
+    """Stop the turn and drop what has not been heard. Turns queued behind it go on."""
+
+    type: ClassVar[str] = "interrupt"
+    turn: int
+    """the turn"""
+    heard: int | None = None
+    """samples of the turn heard until now; the last ack counts if absent"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ack:
+    """What the listener has, sent a few times a second while a turn plays."""
+
+    type: ClassVar[str] = "ack"
+    turn: int
+    """the turn being heard"""
+    sample: int
+    """sample of the turn being heard now"""
+    queue: int
+    """samples received and not yet heard"""
+    underruns: int
+    """times the sound ran dry since the session began"""
+    skew: int
+    """picture minus sound in microseconds; positive: the face is late"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ping:
+    """Answered at once by `pong`; browsers cannot see websocket pings."""
+
+    type: ClassVar[str] = "ping"
+    id: int
+    """returned as it is"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bye:
+    """The sender closes the session in peace."""
+
+    type: ClassVar[str] = "bye"
+    reason: str | None = None
+    """for people"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ready:
+    """Answer to `hello`: what this server can do."""
+
+    type: ClassVar[str] = "ready"
+    server: str
+    """program and version"""
+    session: str
+    """identifies the session in logs"""
+    fps: Literal[25, 50]
+    """FAP frames a second of every turn"""
+    faps: bytes
+    """the FAP numbers of one frame, in order; low-level FAPs only"""
+    voices: tuple[Voice, ...]
+    """voices that can be asked for"""
+    heads: tuple[str, ...]
+    """names of head files under `/heads/`"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Begin:
+    """A turn's format. Comes before its first packet."""
+
+    type: ClassVar[str] = "begin"
+    turn: int
+    """the turn"""
+    voice: str
+    """voice that speaks it"""
+    lang: str
+    """its language"""
+    sample_rate: int
+    """Hz; the unit of every sample number of the turn"""
+    fps: Literal[25, 50]
+    """FAP frames a second"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Packet:
+    """40 ms of a turn: sound, the FAP frames of exactly those samples, and the marks that begin in them. The last packet of a turn may be shorter."""
+
+    type: ClassVar[str] = "packet"
+    turn: int
+    """the turn"""
+    sample: int
+    """number of the first sample; packets of a turn follow each other without a gap"""
+    pcm: NDArray[np.int16]
+    """mono little-endian int16 samples"""
+    faps: NDArray[np.int16]
+    """frames x len(ready.faps) little-endian int16 values in FAP units; frame k of a turn holds at sample k * sample_rate / fps"""
+    marks: tuple[Mark, ...] | None = None
+    """in order of sample"""
+    hold: bool | None = None
+    """the text has run dry: what follows may come late without being a fault"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Done:
+    """The turn is over; no packet of it follows."""
+
+    type: ClassVar[str] = "done"
+    turn: int
+    """the turn"""
+    reason: Literal["end", "interrupted", "failed"]
+    """why"""
+    samples: int
+    """samples of the turn sent in all"""
+    heard: int | None = None
+    """after an interrupt: samples heard, never more than were sent"""
+    char: int | None = None
+    """after an interrupt: code points of the turn's text heard, to the end of the last word begun"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pong:
+    """Answer to `ping`."""
+
+    type: ClassVar[str] = "pong"
+    id: int
+    """as in the ping"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Error:
+    """Something could not be done. What was accepted before stands."""
+
+    type: ClassVar[str] = "error"
+    code: str
+    """one of schema/errors.json; more may come"""
+    message: str
+    """what was wrong, where, and what to do"""
+    fatal: bool
+    """the server closes the session after this"""
+    turn: int | None = None
+    """the turn concerned"""
+
+
+ClientMessage = Hello | Speak | End | Interrupt | Ack | Ping | Bye
+ServerMessage = Bye | Ready | Begin | Packet | Done | Pong | Error
+Message = ClientMessage | ServerMessage
+
+STRUCTS: dict[str, tuple[type, tuple[FieldSpec, ...]]] = {
+    "voice": (Voice, (FieldSpec(name="name", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="engine", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="description", type="str", max=200, optional=True),)),
+    "mark": (Mark, (FieldSpec(name="kind", type="str", enum=("phone", "word", "caption", "expression")), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="duration", type="int", min=0), FieldSpec(name="text", type="str", max=4096), FieldSpec(name="char_start", type="int", min=0, optional=True), FieldSpec(name="char_end", type="int", min=0, optional=True),)),
+}
+
+MESSAGES: dict[str, tuple[type[Message], str, tuple[FieldSpec, ...]]] = {
+    "hello": (Hello, "client", (FieldSpec(name="client", type="str", max=200, optional=True), FieldSpec(name="fps", type="int", enum=(25, 50), optional=True), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="token", type="str", max=4096, optional=True),)),
+    "speak": (Speak, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="text", type="text", max=65536), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="rate", type="int", min=25, max=400, optional=True),)),
+    "end": (End, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647),)),
+    "interrupt": (Interrupt, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="heard", type="int", min=0, optional=True),)),
+    "ack": (Ack, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="queue", type="int", min=0), FieldSpec(name="underruns", type="int", min=0), FieldSpec(name="skew", type="int"),)),
+    "ping": (Ping, "client", (FieldSpec(name="id", type="int", min=0, max=4294967295),)),
+    "bye": (Bye, "both", (FieldSpec(name="reason", type="str", max=200, optional=True),)),
+    "ready": (Ready, "server", (FieldSpec(name="server", type="str", max=200), FieldSpec(name="session", type="str", max=64), FieldSpec(name="fps", type="int", enum=(25, 50)), FieldSpec(name="faps", type="u8", max=68), FieldSpec(name="voices", type="list", of="voice", max=256), FieldSpec(name="heads", type="list", of="str", max=256),)),
+    "begin": (Begin, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="voice", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="fps", type="int", enum=(25, 50)),)),
+    "packet": (Packet, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="pcm", type="i16", max=8192), FieldSpec(name="faps", type="i16", max=1024), FieldSpec(name="marks", type="list", of="mark", max=512, optional=True), FieldSpec(name="hold", type="bool", optional=True),)),
+    "done": (Done, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="reason", type="str", enum=("end", "interrupted", "failed")), FieldSpec(name="samples", type="int", min=0), FieldSpec(name="heard", type="int", min=0, optional=True), FieldSpec(name="char", type="int", min=0, optional=True),)),
+    "pong": (Pong, "server", (FieldSpec(name="id", type="int", min=0, max=4294967295),)),
+    "error": (Error, "server", (FieldSpec(name="code", type="str", max=64), FieldSpec(name="message", type="str", max=1000), FieldSpec(name="fatal", type="bool"), FieldSpec(name="turn", type="int", min=1, max=2147483647, optional=True),)),
+}
+
+SESSION_CLIENT: dict[str, dict[str, str]] = {
+    "opening": {
+        "hello": "open",
+        "bye": "closed"
+    },
+    "open": {
+        "speak": "open",
+        "end": "open",
+        "interrupt": "open",
+        "ack": "open",
+        "ping": "open",
+        "bye": "closed"
+    },
+    "closed": {}
+}
+
+SESSION_SERVER: dict[str, dict[str, str]] = {
+    "opening": {
+        "error": "opening",
+        "bye": "closed"
+    },
+    "open": {
+        "ready": "open",
+        "begin": "open",
+        "packet": "open",
+        "done": "open",
+        "pong": "open",
+        "error": "open",
+        "bye": "closed"
+    },
+    "closed": {
+        "error": "closed"
+    }
+}
+
+TURN_CLIENT: dict[str, dict[str, str]] = {
+    "new": {
+        "speak": "feeding"
+    },
+    "feeding": {
+        "speak": "feeding",
+        "end": "ended",
+        "interrupt": "stopping",
+        "ack": "feeding"
+    },
+    "ended": {
+        "interrupt": "stopping",
+        "ack": "ended"
+    },
+    "stopping": {
+        "speak": "stopping",
+        "end": "stopping",
+        "interrupt": "stopping",
+        "ack": "stopping"
+    },
+    "over": {
+        "speak": "over",
+        "end": "over",
+        "interrupt": "over",
+        "ack": "over"
+    }
+}
+
+TURN_SERVER: dict[str, dict[str, str]] = {
+    "feeding": {
+        "begin": "feeding",
+        "packet": "feeding",
+        "done": "over",
+        "error": "feeding"
+    },
+    "ended": {
+        "begin": "ended",
+        "packet": "ended",
+        "done": "over",
+        "error": "ended"
+    },
+    "stopping": {
+        "begin": "stopping",
+        "packet": "stopping",
+        "done": "over",
+        "error": "stopping"
+    },
+    "over": {
+        "error": "over"
+    }
+}
+
+ERRORS: dict[str, bool] = {
+    "protocol": True,
+    "bad_message": False,
+    "turn_order": False,
+    "unknown_turn": False,
+    "too_many_turns": False,
+    "text_too_long": False,
+    "unknown_voice": False,
+    "unknown_language": False,
+    "voice_unavailable": False,
+    "synthesis_failed": False,
+    "timeout": True,
+    "internal": True,
+}
+"""Error code -> whether the session ends."""

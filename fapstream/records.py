@@ -1,0 +1,168 @@
+"""The records that travel between the rooms. They import nothing of ours and do nothing.
+
+Time is an integer: a sample index on the audio clock of one turn, at that turn's sample rate.
+Sample 0 is the first PCM sample of the turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Pcm = NDArray[np.int16]
+"""Mono signed 16-bit samples, shape (n,)."""
+
+N_FAPS = 68
+
+ExpressionName = Literal["joy", "sadness", "anger", "fear", "disgust", "surprise"]
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """One spoken word and the characters it came from.
+
+    `start` and `end` are code-point offsets [start, end) into the whole text of the turn.
+    """
+
+    text: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Phone:
+    """One phone as planned: language-level SAMPA name, wished duration and melody.
+
+    `pitch` holds (position in percent of the duration, f0 in Hz), empty for the voice's default.
+    `word` indexes `Utterance.words`, or is -1 in a pause. `stress`: 0 none, 1 primary, 2 secondary.
+    A silent phone (`_`) may carry a facial expression for its whole length.
+    """
+
+    name: str
+    duration_ms: float
+    pitch: tuple[tuple[float, float], ...] = ()
+    stress: int = 0
+    word: int = -1
+    expression: ExpressionName | None = None
+
+
+SILENCE = "_"
+
+
+@dataclass(frozen=True, slots=True)
+class Utterance:
+    """A run of phones that may be handed to a voice.
+
+    `closed` means that it ends in a pause, where a voice may be flushed without being heard;
+    an open one is the beginning of a phrase whose rest has not been written yet.
+    """
+
+    lang: str
+    phones: tuple[Phone, ...]
+    words: tuple[Word, ...] = ()
+    closed: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class TimedPhone:
+    """A phone and the samples [start, end) of the turn in which it is really heard."""
+
+    phone: Phone
+    start: int
+    end: int
+    text: Word | None = None
+    """The word it belongs to, resolved."""
+
+
+@dataclass(frozen=True, slots=True)
+class Speech:
+    """What a Synthesizer gives back: sound, and the phones whose true times are known by now.
+
+    `pcm[0]` is sample `start` of the turn. Phones come in order and never later than the sound
+    in which they are heard.
+    """
+
+    start: int
+    pcm: Pcm
+    phones: tuple[TimedPhone, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class FapFrame:
+    """The facial animation parameters that hold at one sample.
+
+    `values` is int16 of shape (68,): FAP n is at n-1, in FAP units (see FAPU in fap/).
+    FAP 1 and FAP 2 are composite in MPEG-4; frames made here carry the low-level FAPs 3-68 and
+    leave both 0.
+    """
+
+    sample: int
+    values: NDArray[np.int16]
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Something that happens at a sample of the turn and lasts `duration` samples.
+
+    kind `phone`: `text` is its SAMPA name. `word`: as written. `caption`: the text of a phrase.
+    `expression`: its name. Character offsets [start, end) are code points of the turn's text.
+    """
+
+    kind: Literal["phone", "word", "caption", "expression"]
+    sample: int
+    duration: int
+    text: str
+    char_start: int = -1
+    char_end: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """A slice of a turn: sound, and the FAP frames and marks of exactly those samples.
+
+    `hold` says that the text has run dry: what follows may come late without being a fault.
+    """
+
+    turn: int
+    start: int
+    pcm: Pcm
+    frames: tuple[FapFrame, ...] = ()
+    marks: tuple[Mark, ...] = ()
+    hold: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class TurnFormat:
+    """What a turn is made of; fixed when the turn begins."""
+
+    turn: int
+    voice: str
+    lang: str
+    sample_rate: int
+    fps: int
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceInfo:
+    """A voice as users see it."""
+
+    name: str
+    lang: str
+    engine: Literal["mbrola", "espeak"]
+    sample_rate: int
+    available: bool
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """How a turn is to be spoken. `rate` 1.0 is the voice's own speed, 2.0 twice as fast."""
+
+    voice: str | None = None
+    lang: str | None = None
+    rate: float = 1.0
+    fps: int = 25
+    seed: int = 0
