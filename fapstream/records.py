@@ -94,13 +94,13 @@ class Speech:
 class FapFrame:
     """The facial animation parameters that hold at one sample.
 
-    `values` is int16 of shape (68,): FAP n is at n-1, in FAP units (see FAPU in fap/).
+    `values` is int32 of shape (68,): FAP n is at n-1, in FAP units (see FAPU in fap/).
     FAP 1 and FAP 2 are composite in MPEG-4; frames made here carry the low-level FAPs 3-68 and
     leave both 0.
     """
 
     sample: int
-    values: NDArray[np.int16]
+    values: NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True)

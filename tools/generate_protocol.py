@@ -20,11 +20,11 @@ SPEC = ROOT / "protocol" / "SPEC.md"
 FAPS = ROOT / "fapstream" / "fap" / "data" / "faps.json"
 
 PY_TYPES = {
-    "int": "int", "str": "str", "bool": "bool", "text": "bytes", "u8": "bytes", "i16": "NDArray[np.int16]",
+    "int": "int", "str": "str", "bool": "bool", "text": "bytes", "u8": "bytes", "i16": "NDArray[np.int16]", "i32": "NDArray[np.int32]",
 }  # fmt: skip
 TS_TYPES = {
     "int": "number", "str": "string", "bool": "boolean", "text": "Uint8Array", "u8": "Uint8Array",
-    "i16": "Int16Array",
+    "i16": "Int16Array", "i32": "Int32Array",
 }  # fmt: skip
 
 Field = dict[str, Any]
@@ -55,12 +55,19 @@ def ts_type(field: Field) -> str:
 
 
 def py_class(name: str, doc: str, fields: list[Field], type_name: str | None) -> str:
-    lines = ["@dataclass(frozen=True, slots=True, kw_only=True)", f"class {camel(name)}:", f'    """{doc}"""', ""]
+    lines = [
+        "@dataclass(frozen=True, slots=True, kw_only=True)",
+        f"class {camel(name)}:",
+        f'    """{doc}"""',
+        "",
+    ]
     if type_name:
         lines += [f'    type: ClassVar[str] = "{type_name}"']
     for f in fields:
         kind = py_type(f)
-        lines.append(f"    {f['name']}: {kind} | None = None" if f.get("optional") else f"    {f['name']}: {kind}")
+        lines.append(
+            f"    {f['name']}: {kind} | None = None" if f.get("optional") else f"    {f['name']}: {kind}"
+        )
         lines.append(f'    """{f["doc"]}"""')
     return "\n".join(lines) + "\n"
 
@@ -91,7 +98,9 @@ def python_source(messages: Any, session: Any, errors: Any) -> str:
     ]
     out += [f"{key.upper()} = {value}" for key, value in messages["limits"].items()]
     out.append(PY_FIELD_SPEC)
-    out += [py_class(name, f"Part of a message: {name}.", fields, None) + "\n" for name, fields in structs.items()]
+    out += [
+        py_class(name, f"Part of a message: {name}.", fields, None) + "\n" for name, fields in structs.items()
+    ]
     out += [py_class(m["name"], m["doc"], m["fields"], m["name"]) + "\n" for m in msgs]
     for side in ("client", "server"):
         names = " | ".join(camel(m["name"]) for m in msgs if m["from"] in (side, "both"))
@@ -102,7 +111,9 @@ def python_source(messages: Any, session: Any, errors: Any) -> str:
     out.append("}\n\nMESSAGES: dict[str, tuple[type[Message], str, tuple[FieldSpec, ...]]] = {")
     for m in msgs:
         fields = ", ".join(map(py_literal, spec(m["fields"])))
-        out.append(f'    "{m["name"]}": ({camel(m["name"])}, "{m["from"]}", ({fields}{"," if fields else ""})),')
+        out.append(
+            f'    "{m["name"]}": ({camel(m["name"])}, "{m["from"]}", ({fields}{"," if fields else ""})),'
+        )
     out.append("}\n")
     for table in ("session", "turn"):
         for side in ("client", "server"):
@@ -146,22 +157,28 @@ def typescript_source(messages: Any, session: Any, errors: Any) -> str:
         names = " | ".join(camel(m["name"]) for m in msgs if m["from"] in (side, "both"))
         out.append(f"export type {side.capitalize()}Message = {names};")
     out.append("export type Message = ClientMessage | ServerMessage;\n")
-    out.append(f"export const STRUCTS: Record<string, FieldSpec[]> = {ts_json({n: spec(f) for n, f in structs.items()})};\n")
+    out.append(
+        f"export const STRUCTS: Record<string, FieldSpec[]> = {ts_json({n: spec(f) for n, f in structs.items()})};\n"
+    )
     table = {m["name"]: {"from": m["from"], "fields": spec(m["fields"])} for m in msgs}
-    out.append(f"export const MESSAGES: Record<string, {{ from: string; fields: FieldSpec[] }}> = {ts_json(table)};\n")
+    out.append(
+        f"export const MESSAGES: Record<string, {{ from: string; fields: FieldSpec[] }}> = {ts_json(table)};\n"
+    )
     for name in ("session", "turn"):
         for side in ("client", "server"):
             out.append(
                 f"export const {name.upper()}_{side.upper()}: Record<string, Record<string, string>> = "
                 f"{ts_json(session[name][side])};\n"
             )
-    out.append(f"export const ERRORS: Record<string, boolean> = {ts_json({e['code']: e['fatal'] for e in errors})};")
+    out.append(
+        f"export const ERRORS: Record<string, boolean> = {ts_json({e['code']: e['fatal'] for e in errors})};"
+    )
     return "\n".join(out) + "\n"
 
 
 TS_FIELD_SPEC = """export interface FieldSpec {
   name: string;
-  type: "int" | "str" | "bool" | "text" | "u8" | "i16" | "list";
+  type: "int" | "str" | "bool" | "text" | "u8" | "i16" | "i32" | "list";
   optional?: boolean;
   min?: number;
   max?: number;

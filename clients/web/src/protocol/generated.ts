@@ -14,7 +14,7 @@ export const LIMITS = {
 
 export interface FieldSpec {
   name: string;
-  type: "int" | "str" | "bool" | "text" | "u8" | "i16" | "list";
+  type: "int" | "str" | "bool" | "text" | "u8" | "i16" | "i32" | "list";
   optional?: boolean;
   min?: number;
   max?: number;
@@ -168,8 +168,8 @@ export interface Packet {
   sample: number;
   /** mono little-endian int16 samples */
   pcm: Int16Array;
-  /** frames x len(ready.faps) little-endian int16 values in FAP units; frame k of a turn holds at sample k * sample_rate / fps */
-  faps: Int16Array;
+  /** frames x len(ready.faps) little-endian int32 values in FAP units; frame k of a turn holds at sample k * sample_rate / fps */
+  faps: Int32Array;
   /** in order of sample */
   marks?: Mark[];
   /** the text has run dry: what follows may come late without being a fault */
@@ -536,7 +536,7 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
    },
    {
     "name": "faps",
-    "type": "i16",
+    "type": "i32",
     "max": 1024
    },
    {
@@ -719,7 +719,6 @@ export const TURN_SERVER: Record<string, Record<string, string>> = {
 export const ERRORS: Record<string, boolean> = {
  "protocol": true,
  "bad_message": false,
- "turn_order": false,
  "unknown_turn": false,
  "too_many_turns": false,
  "text_too_long": false,
