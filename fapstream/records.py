@@ -142,27 +142,4 @@ class TurnFormat:
     voice: str
     lang: str
     sample_rate: int
-    fps: int
-
-
-@dataclass(frozen=True, slots=True)
-class VoiceInfo:
-    """A voice as users see it."""
-
-    name: str
-    lang: str
-    engine: Literal["mbrola", "espeak"]
-    sample_rate: int
-    available: bool
-    description: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Wishes:
-    """How a turn is to be spoken. `rate` 1.0 is the voice's own speed, 2.0 twice as fast."""
-
-    voice: str | None = None
-    lang: str | None = None
-    rate: float = 1.0
-    fps: int = 25
-    seed: int = 0
+    fps: Literal[25, 50]

@@ -1,0 +1,5 @@
+"""`python -m fapstream`."""
+
+from fapstream.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,108 @@
+"""Sound out through PyAudio (the extra `play`)."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from fapstream.errors import FapstreamError
+from fapstream.records import Pcm
+
+FRAMES_PER_BUFFER_MS = 10
+
+
+class AudioUnavailable(FapstreamError):
+    """There is no way to play sound here."""
+
+    code = "no_audio"
+
+
+class Player:
+    """Plays mono int16 sound as it is given, silence where there is none.
+
+    `heard` counts the samples given that have reached the ear, by the device's own latency figure.
+    """
+
+    def __init__(self, sample_rate: int) -> None:
+        self.sample_rate = sample_rate
+        self._chunks: deque[Pcm] = deque()
+        self._lock = threading.Lock()
+        self._played = 0
+        self.given = 0
+        self._audio, self._stream = _open(sample_rate, self._callback)
+        self._latency = round(self._stream.get_output_latency() * sample_rate)
+
+    def write(self, pcm: Pcm) -> None:
+        """More sound; never blocks."""
+        with self._lock:
+            self._chunks.append(pcm)
+            self.given += len(pcm)
+
+    @property
+    def heard(self) -> int:
+        """Samples heard."""
+        return max(0, self._played - int(self._latency))
+
+    @property
+    def idle(self) -> bool:
+        """Everything given has been heard."""
+        return bool(self._played >= self.given)
+
+    def close(self) -> None:
+        """Stop at once."""
+        self._stream.close()
+        self._audio.terminate()
+
+    def _callback(self, _in: object, n: int, _time: object, _status: int) -> tuple[bytes, int]:
+        out = np.zeros(n, np.int16)
+        filled = 0
+        with self._lock:
+            while filled < n and self._chunks:
+                chunk = self._chunks.popleft()
+                part = chunk[: n - filled]
+                out[filled : filled + len(part)] = part
+                filled += len(part)
+                if len(part) < len(chunk):
+                    self._chunks.appendleft(chunk[len(part) :])
+            self._played += filled
+        return out.tobytes(), 0
+
+
+def _open(sample_rate: int, callback: Any) -> tuple[Any, Any]:
+    try:
+        import pyaudio
+    except ImportError:
+        raise AudioUnavailable(
+            "playing needs the extra fapstream[play] (PyAudio); or write a file with --wav"
+        ) from None
+    with _quiet():
+        audio = pyaudio.PyAudio()
+    try:
+        with _quiet():
+            stream = audio.open(
+                rate=sample_rate, channels=1, format=pyaudio.paInt16, output=True,
+                frames_per_buffer=sample_rate * FRAMES_PER_BUFFER_MS // 1000, stream_callback=callback,
+            )  # fmt: skip
+    except OSError as e:
+        audio.terminate()
+        raise AudioUnavailable(f"no sound device can be opened ({e}); write a file with --wav") from e
+    return audio, stream
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """PortAudio's back-ends print a hundred lines to stderr while they look for devices."""
+    saved, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(null, 2)
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+        os.close(null)

@@ -1,0 +1,255 @@
+"""eSpeak NG, the embedded voice: a worker process behind the Synthesizer port.
+
+Our phones are handed over as eSpeak's phoneme mnemonics; it decides how long they last and says when each
+begins. Its events and our phones are matched in order, so whatever it inserts or merges moves no mark far.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import importlib.util
+import json
+import sys
+from collections import deque
+from collections.abc import AsyncIterator, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from fapstream.adapters.alignment import align
+from fapstream.adapters.espeak_worker import FRAME
+from fapstream.errors import SynthesisError, VoiceUnavailable
+from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
+from fapstream.tts import Voice, espeak_map, phone_set
+
+WORDS_PER_MINUTE = 175
+MEAN_PHONE_MS = 80.0
+"""How long a phone lasts on average at that rate; eSpeak's rate is set from what our phones wish for."""
+RATE_LIMITS = (80, 450)
+PITCH = 50
+MAX_FRAME = 1 << 24
+CLOSING_MS = 80
+STOP_CLASSES = ("stop", "affricate")
+CLOSURE_MS = 120
+QUIET = 0.06
+"""Below this part of a run's loudness a stop counts as closed."""
+
+
+def installed() -> bool:
+    """Whether the package with the library is there."""
+    return importlib.util.find_spec("espeakng_loader") is not None
+
+
+class EspeakProcess:
+    """One worker."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self._process = process
+
+    @classmethod
+    async def start(cls) -> EspeakProcess:
+        """A worker that has read its data or will soon. Raises VoiceUnavailable."""
+        if not installed():
+            raise VoiceUnavailable("the embedded voice needs the extra fapstream[espeak]")
+        pipe = asyncio.subprocess.PIPE
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "fapstream.adapters.espeak_worker", stdin=pipe, stdout=pipe
+        )
+        return cls(process)
+
+    @property
+    def alive(self) -> bool:
+        """Whether the worker still runs."""
+        return self._process.returncode is None
+
+    async def speak(self, request: dict[str, Any]) -> tuple[Pcm, list[tuple[str, int]]]:
+        """All sound of one request and its phoneme events. Raises SynthesisError."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        sound, events = [b""], []
+        try:
+            self._process.stdin.write(json.dumps(request).encode() + b"\n")
+            await self._process.stdin.drain()
+            while True:
+                kind, size = FRAME.unpack(await self._process.stdout.readexactly(FRAME.size))
+                body = await self._process.stdout.readexactly(min(size, MAX_FRAME))
+                match chr(kind):
+                    case "S":
+                        sound.append(body)
+                    case "P":
+                        events += [(str(name), int(at)) for name, at in json.loads(body)]
+                    case "X":
+                        raise SynthesisError(f"eSpeak NG: {body.decode('utf-8', 'replace')}")
+                    case _:
+                        return np.frombuffer(b"".join(sound), "<i2").astype(np.int16), events
+        except (asyncio.IncompleteReadError, ConnectionError) as e:
+            raise SynthesisError("eSpeak NG ended in the middle of a phrase") from e
+
+    async def aclose(self) -> None:
+        """End the worker."""
+        if self.alive:
+            with suppress(ProcessLookupError):
+                self._process.kill()
+        await self._process.wait()
+
+
+class EspeakSynthesizer:
+    """One turn spoken by eSpeak NG, a phrase at a time."""
+
+    def __init__(self, pool: EspeakPool, process: EspeakProcess, voice: Voice) -> None:
+        self.sample_rate = voice.sample_rate
+        self._pool = pool
+        self._process = process
+        self._voice = voice
+        self._todo: deque[Utterance] = deque()
+        self._closed = True
+        self._finished = False
+        self._came = asyncio.Event()
+        self._clean = True
+
+    async def write(self, utterance: Utterance) -> None:
+        """See the port."""
+        self._todo.append(utterance)
+        self._closed = utterance.closed
+        self._came.set()
+
+    async def flush(self) -> None:
+        """See the port. Nothing is held back; a pause lets the mouth close."""
+        if not self._closed:
+            await self.write(Utterance("", (Phone(SILENCE, CLOSING_MS),)))
+
+    async def finish(self) -> None:
+        """See the port."""
+        await self.flush()
+        self._finished = True
+        self._came.set()
+
+    async def speech(self) -> AsyncIterator[Speech]:
+        """See the port."""
+        at = 0
+        while True:
+            self._came.clear()
+            while self._todo:
+                async for speech in self._say(self._todo.popleft(), at):
+                    yield speech
+                    at += len(speech.pcm)
+            if self._finished:
+                return
+            await self._came.wait()
+
+    async def aclose(self) -> None:
+        """See the port."""
+        await self._pool.release(self._process, reusable=self._clean)
+
+    async def _say(self, utterance: Utterance, at: int) -> AsyncIterator[Speech]:
+        for run in split_at_pauses(utterance.phones):
+            if run[0].name == SILENCE:
+                pcm = np.zeros(round(run[0].duration_ms * self.sample_rate / 1000), np.int16)
+                starts = [0]
+            else:
+                pcm, starts = await self._speak_run(run)
+            ends = [*starts[1:], len(pcm)]
+            yield Speech(
+                at,
+                pcm,
+                tuple(
+                    TimedPhone(p, at + s, at + e, utterance.words[p.word] if p.word >= 0 else None)
+                    for p, s, e in zip(run, starts, ends, strict=True)
+                ),
+            )
+            at += len(pcm)
+
+    async def _speak_run(self, run: Sequence[Phone]) -> tuple[Pcm, list[int]]:
+        """Sound of phones without a pause among them, and where each begins."""
+        request = _request(run, self._voice)
+        wished_ms = sum(p.duration_ms for p in run)
+        rate = WORDS_PER_MINUTE * MEAN_PHONE_MS * len(run) / max(wished_ms, 1.0)
+        request["rate"] = round(min(max(rate, RATE_LIMITS[0]), RATE_LIMITS[1]))
+        pcm, events = await self._exchange(request)
+        end = next((at for name, at in reversed(events) if not name.startswith("_")), 0)
+        end = next((at for name, at in events if name.startswith("_") and at > end), len(pcm))
+        heard = [(name, at) for name, at in events if not name.startswith("_") and at < end]
+        starts = align(espeak_map.mnemonics(run, self._voice), heard, end)
+        return pcm[:end], self._stops_at_closure(run, starts, pcm)
+
+    async def _exchange(self, request: dict[str, Any]) -> tuple[Pcm, list[tuple[str, int]]]:
+        """Ask the worker; one that died is replaced once, and says the phrase again."""
+        self._clean = False
+        try:
+            answer = await self._process.speak(request)
+        except SynthesisError:
+            if self._process.alive:
+                raise
+            await self._process.aclose()
+            self._process = await EspeakProcess.start()
+            answer = await self._process.speak(request)
+        self._clean = True
+        return answer
+
+    def _stops_at_closure(self, run: Sequence[Phone], starts: list[int], pcm: Pcm) -> list[int]:
+        """eSpeak marks a stop when it opens; move the mark to where the sound before it falls silent."""
+        level = np.abs(pcm.astype(np.float32))
+        floor = QUIET * float(np.percentile(level, 95)) if len(level) else 0.0
+        step = self.sample_rate // 200
+        out = list(starts)
+        for i in range(1, len(run)):
+            if phone_set(self._voice.lang)[run[i].name].kind not in STOP_CLASSES:
+                continue
+            earliest = max((out[i - 1] + starts[i]) // 2, starts[i] - CLOSURE_MS * self.sample_rate // 1000)
+            at = starts[i]
+            while at - step >= earliest and level[at - step : at].max(initial=0.0) < floor:
+                at -= step
+            out[i] = at
+        return out
+
+
+def _request(run: Sequence[Phone], voice: Voice) -> dict[str, Any]:
+    text = espeak_map.bracketed(run, voice)
+    return {"voice": voice.engine_voice, "text": text, "rate": WORDS_PER_MINUTE, "pitch": PITCH}
+
+
+def split_at_pauses(phones: Sequence[Phone]) -> list[list[Phone]]:
+    """Runs of sounding phones, and each pause alone."""
+    runs: list[list[Phone]] = []
+    for phone in phones:
+        if phone.name == SILENCE or not runs or runs[-1][0].name == SILENCE:
+            runs.append([phone])
+        else:
+            runs[-1].append(phone)
+    return runs
+
+
+class EspeakPool:
+    """Warm workers."""
+
+    def __init__(self, spares: int = 2) -> None:
+        self._spares = spares
+        self._idle: deque[EspeakProcess] = deque()
+
+    async def warm(self, voice: Voice) -> None:
+        """Start a spare and let it read its data. Raises VoiceUnavailable."""
+        process = await EspeakProcess.start()
+        await process.speak(_request((), voice))
+        await self.release(process, reusable=True)
+
+    async def acquire(self, voice: Voice) -> EspeakSynthesizer:
+        """A voice ready for one turn. Raises VoiceUnavailable."""
+        while self._idle:
+            process = self._idle.popleft()
+            if process.alive:
+                return EspeakSynthesizer(self, process, voice)
+            await process.aclose()
+        return EspeakSynthesizer(self, await EspeakProcess.start(), voice)
+
+    async def release(self, process: EspeakProcess, reusable: bool) -> None:
+        """Take a worker back, or end it."""
+        if reusable and process.alive and len(self._idle) < self._spares:
+            self._idle.append(process)
+        else:
+            await process.aclose()
+
+    async def aclose(self) -> None:
+        """End every idle worker."""
+        while self._idle:
+            await self._idle.popleft().aclose()

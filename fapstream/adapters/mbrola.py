@@ -1,0 +1,314 @@
+"""MBROLA as long-lived subprocesses behind the Synthesizer port.
+
+What the program does with durations, flushes and its own delay is measured, not documented:
+a phone of d ms yields trunc(float32(d) * F / 1000) samples, sum n_i minus the samples emitted stays within
+[0, P) for ever (P: the database's period), and the sound of boundary G_i is heard at G_i + P.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections import deque
+from collections.abc import AsyncIterator
+from contextlib import suppress
+from pathlib import Path
+from shutil import which
+
+import numpy as np
+
+from fapstream.errors import SynthesisError, VoiceUnavailable
+from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
+from fapstream.tts import Voice, lengths, pho, realise
+
+DATABASES = (Path("/usr/share/mbrola"), Path("/usr/local/share/mbrola"))
+"""Folders that hold V/V for voice V."""
+
+LIBSTDBUF = (Path("/usr/libexec/coreutils/libstdbuf.so"), Path("/usr/lib/coreutils/libstdbuf.so"))
+"""Preloaded, it makes the C library write sound at once instead of 4096 bytes later."""
+
+READ_BYTES = 1 << 16
+MAX_RESTARTS = 3
+CLOSING_MS = 80
+"""Silence that closes a phrase which has to be flushed in its middle."""
+
+FLUSH = "#\n"
+
+
+def database(voice: Voice) -> Path | None:
+    """Where a voice's database is; None if it or the program is missing."""
+    if which("mbrola") is None:
+        return None
+    return next(
+        (d / voice.name / voice.name for d in DATABASES if (d / voice.name / voice.name).is_file()), None
+    )
+
+
+class MbrolaProcess:
+    """One running MBROLA, and how many samples it was asked for and gave."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self._process = process
+        self.written = 0
+        self.read = 0
+        self.complaint = b""
+        self._stderr = asyncio.create_task(self._drain_stderr())
+
+    @classmethod
+    async def start(cls, voice: Voice) -> MbrolaProcess:
+        """A process ready to speak. Raises VoiceUnavailable."""
+        path = database(voice)
+        if path is None:
+            raise VoiceUnavailable(
+                f"MBROLA or its voice {voice.name} is not installed; tools/run installs both on Debian"
+            )
+        env = dict(os.environ)
+        preload = next((str(p) for p in LIBSTDBUF if p.exists()), None)
+        if preload:
+            env.update(LD_PRELOAD=preload, _STDBUF_O="0")
+        pipe = asyncio.subprocess.PIPE
+        process = await asyncio.create_subprocess_exec(
+            "mbrola", "-e", str(path), "-", "-.raw", stdin=pipe, stdout=pipe, stderr=pipe, env=env
+        )  # fmt: skip
+        return cls(process)
+
+    @property
+    def alive(self) -> bool:
+        """Whether the program still runs."""
+        return self._process.returncode is None
+
+    @property
+    def pid(self) -> int:
+        """Its process id."""
+        return self._process.pid
+
+    async def write(self, lines: str, samples: int) -> None:
+        """Send lines worth so many samples. A dead process is noticed by `pcm`."""
+        assert self._process.stdin is not None
+        self.written += samples
+        with suppress(ConnectionError):
+            self._process.stdin.write(lines.encode("ascii"))
+            await self._process.stdin.drain()
+
+    async def pcm(self) -> Pcm | None:
+        """Sound as it comes; None when the program has ended."""
+        assert self._process.stdout is not None
+        data = await self._process.stdout.read(READ_BYTES)
+        if len(data) % 2:
+            with suppress(asyncio.IncompleteReadError):
+                data += await self._process.stdout.readexactly(1)
+        if not data:
+            return None
+        pcm = np.frombuffer(data[: len(data) // 2 * 2], "<i2").astype(np.int16)
+        self.read += len(pcm)
+        return pcm
+
+    async def aclose(self) -> None:
+        """End the program."""
+        if self.alive:
+            with suppress(ProcessLookupError):
+                self._process.kill()
+        await self._process.wait()
+        self._stderr.cancel()
+
+    async def _drain_stderr(self) -> None:
+        assert self._process.stderr is not None
+        while data := await self._process.stderr.read(4096):
+            self.complaint = (self.complaint + data)[-2048:]
+
+
+class MbrolaSynthesizer:
+    """One turn spoken by an MBROLA process.
+
+    Sample 0 of the turn is the process's sample `written` at the start: what the process still
+    owes of the turn before (less than a period, and silent) is dropped.
+    """
+
+    def __init__(self, pool: MbrolaPool, process: MbrolaProcess, voice: Voice) -> None:
+        self.sample_rate = voice.sample_rate
+        self._pool = pool
+        self._process = process
+        self._voice = voice
+        self._last_name = SILENCE
+        self._planned = 0
+        """Samples of the turn asked for."""
+        self._got = 0
+        """Samples of the turn received."""
+        self._drop = process.written - process.read
+        """Samples that the process owes and nobody wants."""
+        self._goal: int | None = None
+        self._closed = True
+        self._since_flush: list[tuple[str, int]] = []
+        self._flushed_at = 0
+        self._restarts = 0
+        self._phones: list[TimedPhone] = []
+        self._pcm: deque[Pcm] = deque()
+        self._came = asyncio.Event()
+        self._failure: SynthesisError | None = None
+        self._writing = asyncio.Lock()
+        self._reader = asyncio.create_task(self._read())
+
+    async def write(self, utterance: Utterance) -> None:
+        """See the port. Raises SynthesisError."""
+        if self._failure:
+            raise self._failure
+        realised = realise(utterance.phones, self._voice, self._last_name)
+        if not realised:
+            return
+        self._last_name = realised[-1].name
+        start = self._planned + self._voice.period
+        for phone, n in zip(utterance.phones, lengths(realised, len(utterance.phones)), strict=True):
+            word = utterance.words[phone.word] if phone.word >= 0 else None
+            self._phones.append(TimedPhone(phone, start, start + n, word))
+            start += n
+        await self._send(pho.lines(realised, self.sample_rate), sum(p.n_samples for p in realised))
+        self._closed = utterance.closed
+        if utterance.closed:
+            await self._send(FLUSH, 0)
+        self._came.set()
+
+    async def flush(self) -> None:
+        """See the port."""
+        if not self._closed:
+            pause = Phone(SILENCE, CLOSING_MS)
+            await self.write(Utterance("", (pause,), closed=True))
+
+    async def finish(self) -> None:
+        """See the port. The turn ends in silence, one period before what was asked for."""
+        await self.flush()
+        self._goal = max(0, self._planned - self._voice.period)
+        self._came.set()
+
+    async def speech(self) -> AsyncIterator[Speech]:
+        """See the port."""
+        given = 0
+        while True:
+            self._came.clear()
+            phones, self._phones = tuple(self._phones), []
+            pcm = np.concatenate(self._pcm) if self._pcm else np.zeros(0, np.int16)
+            self._pcm.clear()
+            if self._goal is not None:
+                pcm = pcm[: self._goal - given]
+            if phones or len(pcm):
+                yield Speech(given, pcm, phones)
+                given += len(pcm)
+            elif self._failure:
+                raise self._failure
+            elif self._goal is not None and given >= self._goal:
+                return
+            else:
+                await self._came.wait()
+
+    async def aclose(self) -> None:
+        """See the port."""
+        self._reader.cancel()
+        with suppress(asyncio.CancelledError):
+            await self._reader
+        done = self._goal is not None and self._got >= self._goal and self._closed
+        await self._pool.release(self._voice, self._process, reusable=done and self._failure is None)
+
+    async def _send(self, lines: str, samples: int) -> None:
+        async with self._writing:
+            self._since_flush.append((lines, samples))
+            self._planned += samples
+            await self._process.write(lines, samples)
+            if lines == FLUSH:
+                self._forget_heard()
+
+    def _forget_heard(self) -> None:
+        """Drop from the log for a restart what has come in whole."""
+        total = self._flushed_at
+        for i, (lines, samples) in enumerate(self._since_flush):
+            total += samples
+            if lines == FLUSH and self._got >= total:
+                self._since_flush = self._since_flush[i + 1 :]
+                self._flushed_at = total
+                return
+
+    async def _read(self) -> None:
+        while True:
+            pcm = await self._process.pcm()
+            if pcm is None:
+                if not await self._restarted():
+                    return
+                continue
+            skip = min(self._drop, len(pcm))
+            self._drop -= skip
+            if skip < len(pcm):
+                self._pcm.append(amplified(pcm[skip:], self._voice.gain))
+                self._got += len(pcm) - skip
+                self._came.set()
+
+    async def _restarted(self) -> bool:
+        """The program died: a new one says again what was not flushed, and the turn goes on.
+
+        A fresh process gives the same bytes for the same lines, so nobody hears the seam.
+        """
+        async with self._writing:
+            return await self._restart()
+
+    async def _restart(self) -> bool:
+        self._restarts += 1
+        complaint = self._process.complaint.decode("ascii", "replace").strip()
+        await self._process.aclose()
+        try:
+            if self._restarts > MAX_RESTARTS:
+                raise SynthesisError(f"MBROLA died {self._restarts} times in one turn: {complaint}")
+            self._process = await MbrolaProcess.start(self._voice)
+        except SynthesisError as e:
+            self._failure = e
+            self._came.set()
+            return False
+        self._drop = self._got - self._flushed_at
+        if self._drop < 0:
+            self._pcm.append(np.zeros(-self._drop, np.int16))
+            self._got -= self._drop
+            self._drop = 0
+            self._came.set()
+        for lines, samples in self._since_flush:
+            await self._process.write(lines, samples)
+        return True
+
+
+def amplified(pcm: Pcm, gain: float) -> Pcm:
+    """Sound made louder or softer, clipped to 16 bits."""
+    if gain == 1.0:
+        return pcm
+    louder: Pcm = np.clip(np.rint(pcm * gain), -32768, 32767).astype(np.int16)
+    return louder
+
+
+class MbrolaPool:
+    """Warm processes, a few of each voice."""
+
+    def __init__(self, spares: int = 2) -> None:
+        self._spares = spares
+        self._idle: dict[str, deque[MbrolaProcess]] = {}
+
+    async def warm(self, voice: Voice) -> None:
+        """Start a spare, so that the first turn finds it running. Raises VoiceUnavailable."""
+        await self.release(voice, await MbrolaProcess.start(voice), reusable=True)
+
+    async def acquire(self, voice: Voice) -> MbrolaSynthesizer:
+        """A voice ready for one turn. Raises VoiceUnavailable."""
+        idle = self._idle.get(voice.name, deque())
+        while idle:
+            process = idle.popleft()
+            if process.alive:
+                return MbrolaSynthesizer(self, process, voice)
+            await process.aclose()
+        return MbrolaSynthesizer(self, await MbrolaProcess.start(voice), voice)
+
+    async def release(self, voice: Voice, process: MbrolaProcess, reusable: bool) -> None:
+        """Take a process back, or end it."""
+        idle = self._idle.setdefault(voice.name, deque())
+        if reusable and process.alive and len(idle) < self._spares:
+            idle.append(process)
+        else:
+            await process.aclose()
+
+    async def aclose(self) -> None:
+        """End every idle process."""
+        for idle in self._idle.values():
+            while idle:
+                await idle.popleft().aclose()

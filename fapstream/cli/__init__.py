@@ -1,0 +1,39 @@
+"""`fapstream COMMAND`: the one place that builds the rooms and joins them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from fapstream import __version__
+from fapstream.cli import phonemes, say, serve, voices
+from fapstream.errors import FapstreamError
+
+COMMANDS = (say, serve, phonemes, voices)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; the exit status is 0, 1 for what could not be done, 2 for a wrong call."""
+    parser = argparse.ArgumentParser(
+        prog="fapstream", description="A talking head: text in, voice and face out."
+    )
+    parser.add_argument("--version", action="version", version=f"fapstream {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for module in COMMANDS:
+        name = module.__name__.rpartition(".")[2]
+        sub = commands.add_parser(name, help=module.HELP, description=module.__doc__)
+        module.add_arguments(sub)
+        sub.set_defaults(run=module.run)
+    args = parser.parse_args(argv)
+    try:
+        status: int = args.run(args)
+    except FapstreamError as e:
+        print(f"fapstream: {e}", file=sys.stderr)
+        return 1
+    except OSError as e:
+        print(f"fapstream: {e.strerror or e}{f': {e.filename}' if e.filename else ''}", file=sys.stderr)
+        return 1
+    except (KeyboardInterrupt, BrokenPipeError):
+        return 130
+    return status

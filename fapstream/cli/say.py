@@ -1,0 +1,171 @@
+"""Say a text without a server: into files, faster than real time, or aloud while it still arrives."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import codecs
+import json
+import os
+import sys
+import wave
+from contextlib import ExitStack, aclosing
+from pathlib import Path
+from typing import Any
+
+from fapstream.adapters.audio import Player
+from fapstream.adapters.pool import VoicePool
+from fapstream.adapters.record import PhoRecorder
+from fapstream.fap import format_fap
+from fapstream.pipeline import Pipeline
+from fapstream.records import FapFrame, Mark, Packet, TurnFormat
+from fapstream.talk import Talk
+from fapstream.tts import LANGUAGES, FrontEnd
+
+HELP = "say a text into files or aloud"
+READ_BYTES = 4096
+PLAY_LEAD_S = 0.3
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """TEXT, --lang, --voice, --rate, --fps, --wav, --fap, --pho, --marks, --play."""
+    parser.add_argument("text", help="the text; `-` reads it from stdin as it arrives")
+    parser.add_argument("--lang", choices=LANGUAGES, help="language (default: the voice's, or en)")
+    parser.add_argument("--voice", help="voice, see `fapstream voices`")
+    parser.add_argument("--rate", type=float, default=1.0, help="speaking rate, 1 is normal")
+    parser.add_argument("--fps", type=int, choices=(25, 50), default=25, help="FAP frames a second")
+    parser.add_argument("--wav", type=Path, metavar="F", help="write the sound")
+    parser.add_argument("--fap", type=Path, metavar="F", help="write the face as an MPEG-4 FAP file")
+    parser.add_argument("--pho", type=Path, metavar="F", help="write phones, durations and pitch for MBROLA")
+    parser.add_argument("--marks", type=Path, metavar="F", help="write phone, word and caption times as JSON")
+    parser.add_argument("--play", action="store_true", help="play it (the default if no file is asked for)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of blinks and head motion")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write what was asked for."""
+    if not 0.25 <= args.rate <= 4:
+        print("fapstream: --rate is from 0.25 to 4", file=sys.stderr)
+        return 2
+    asyncio.run(_say(args))
+    return 0
+
+
+async def _say(args: argparse.Namespace) -> None:
+    pool = VoicePool()
+    files = any((args.wav, args.fap, args.pho, args.marks))
+    try:
+        chosen = pool.find(args.voice, args.lang)
+        turn = TurnFormat(1, chosen.name, args.lang or chosen.lang, chosen.sample_rate, args.fps)
+        with ExitStack() as stack:
+            player = None
+            if args.play or not files:
+                player = Player(turn.sample_rate)
+                stack.callback(player.close)
+            recorder = PhoRecorder(await pool.acquire(chosen), chosen)
+            pipeline = Pipeline(turn, FrontEnd(turn.lang, args.rate, chosen.f0_hz), args.seed)
+            talk = Talk(pipeline, recorder, _heard(player, turn))
+            sink = Sink(args, turn, stack)
+            await _run(talk, args.text, sink, player)
+            sink.finish(recorder.lines)
+    finally:
+        await pool.aclose()
+
+
+def _heard(player: Player | None, turn: TurnFormat) -> Any:
+    return (lambda: player.heard / turn.sample_rate) if player else None
+
+
+async def _run(talk: Talk, text: str, sink: Sink, player: Player | None) -> None:
+    feeder = asyncio.create_task(_feed(talk, text))
+    try:
+        async with aclosing(talk.packets()) as packets:
+            async for packet in packets:
+                sink.take(packet)
+                if player:
+                    await _play(player, packet)
+        await feeder
+        while player and not player.idle:
+            await asyncio.sleep(0.02)
+    finally:
+        feeder.cancel()
+        await asyncio.gather(feeder, return_exceptions=True)
+        await talk.aclose()
+
+
+async def _play(player: Player, packet: Packet) -> None:
+    player.write(packet.pcm)
+    while player.given - player.heard > PLAY_LEAD_S * player.sample_rate:
+        await asyncio.sleep(0.01)
+
+
+async def _feed(talk: Talk, text: str) -> None:
+    """The text, or standard input as it comes; never more than there is room for."""
+    if text != "-":
+        for at in range(0, len(text), READ_BYTES):
+            await _feed_when_room(talk, text[at : at + READ_BYTES])
+    else:
+        loop = asyncio.get_running_loop()
+        decoder = codecs.getincrementaldecoder("utf-8")("replace")
+        while data := await loop.run_in_executor(None, os.read, sys.stdin.fileno(), READ_BYTES):
+            await _feed_when_room(talk, decoder.decode(data))
+        await _feed_when_room(talk, decoder.decode(b"", True))
+    talk.end()
+
+
+async def _feed_when_room(talk: Talk, text: str) -> None:
+    while talk.room < len(text):
+        await asyncio.sleep(0.01)
+    talk.feed(text)
+
+
+class Sink:
+    """The files asked for. Sound is written as it comes, the rest at the end."""
+
+    def __init__(self, args: argparse.Namespace, turn: TurnFormat, stack: ExitStack) -> None:
+        self._args = args
+        self._turn = turn
+        self._frames: list[FapFrame] = []
+        self._marks: list[Mark] = []
+        self._wav: wave.Wave_write | None = None
+        if args.wav:
+            self._wav = stack.enter_context(wave.open(str(args.wav), "wb"))  # noqa: SIM115
+            self._wav.setnchannels(1)
+            self._wav.setsampwidth(2)
+            self._wav.setframerate(turn.sample_rate)
+
+    def take(self, packet: Packet) -> None:
+        """The next packet."""
+        if self._wav:
+            self._wav.writeframes(packet.pcm.astype("<i2").tobytes())
+        if self._args.fap:
+            self._frames += packet.frames
+        if self._args.marks:
+            self._marks += packet.marks
+
+    def finish(self, pho: list[str]) -> None:
+        """Write what needs the whole turn."""
+        args = self._args
+        if args.fap:
+            args.fap.write_text(
+                format_fap(self._frames, args.fap.stem, self._turn.fps), encoding="ascii", errors="replace"
+            )
+        if args.marks:
+            args.marks.write_text(
+                json.dumps(self._described(), ensure_ascii=False, indent=1), encoding="utf-8"
+            )
+        if args.pho:
+            args.pho.write_text("".join(pho), encoding="ascii")
+
+    def _described(self) -> dict[str, Any]:
+        turn = self._turn
+        marks = [
+            {
+                "kind": m.kind, "text": m.text, "sample": m.sample, "duration": m.duration,
+                "time_ms": round(1000 * m.sample / turn.sample_rate, 3),
+                "duration_ms": round(1000 * m.duration / turn.sample_rate, 3),
+                **({"char_start": m.char_start, "char_end": m.char_end} if m.char_start >= 0 else {}),
+            }
+            for m in self._marks
+        ]  # fmt: skip
+        return {"voice": turn.voice, "lang": turn.lang, "sample_rate": turn.sample_rate, "marks": marks}

@@ -1,0 +1,86 @@
+"""Serve the page, the web client, the heads and the websocket on one port."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import logging
+import signal
+import sys
+from pathlib import Path
+
+from fapstream.adapters.clock import MonotonicClock
+from fapstream.adapters.pool import VoicePool
+from fapstream.errors import SynthesisError
+from fapstream.server import Service, Site, running
+from fapstream.tts import LANGUAGES
+
+HELP = "serve the page and the talking head"
+PORT = 8765
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """--host, --port, --voice, --lang, --head, --verbose."""
+    parser.add_argument(
+        "--host", default="127.0.0.1", help="address to listen on (default: this machine only)"
+    )
+    parser.add_argument("--port", type=int, default=PORT, help=f"port (default {PORT}; 0 takes a free one)")
+    parser.add_argument("--voice", help="voice for turns that ask for none")
+    parser.add_argument(
+        "--lang", choices=LANGUAGES, default=LANGUAGES[0], help="language for turns that name none"
+    )
+    parser.add_argument(
+        "--head", type=Path, action="append", default=[], metavar="F.glb", help="serve this head as well"
+    )
+    parser.add_argument("--verbose", action="store_true", help="log every connection")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Until interrupted."""
+    logging.basicConfig(
+        level=logging.INFO if args.verbose else logging.WARNING, format="%(asctime)s %(name)s %(message)s"
+    )
+    for head in args.head:
+        with head.open("rb"):
+            pass
+    asyncio.run(_serve(args))
+    return 0
+
+
+async def _serve(args: argparse.Namespace) -> None:
+    pool = VoicePool()
+    if args.voice:
+        pool.find(args.voice, None)
+    site = Site({head.stem: head for head in args.head})
+    service = Service(pool, MonotonicClock(), lambda: site.heads, args.lang, args.voice)
+    stop = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stop.set)
+    await _warm(pool, args.voice)
+    try:
+        async with running(service, site, args.host, args.port) as server:
+            host, port = server.sockets[0].getsockname()[:2]
+            print(f"fapstream speaks at http://{_shown(host)}:{port}/", flush=True)
+            await stop.wait()
+            print("closing", file=sys.stderr)
+    finally:
+        await pool.aclose()
+
+
+async def _warm(pool: VoicePool, voice: str | None) -> None:
+    """Have the likely voices running before the first request."""
+    likely = [pool.find(voice, None)] if voice else []
+    for lang in LANGUAGES:
+        try:
+            likely.append(pool.find(None, lang))
+        except SynthesisError as e:
+            print(f"fapstream: {e}", file=sys.stderr)
+    for candidate in likely:
+        await pool.warm(candidate)
+
+
+def _shown(host: str) -> str:
+    if host in ("0.0.0.0", "::"):
+        return "localhost"
+    return f"[{host}]" if ":" in host else host

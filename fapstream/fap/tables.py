@@ -1,0 +1,85 @@
+"""The tables of MPEG-4 facial animation: the 68 FAPs, and what the high-level ones stand for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fapstream.errors import DataError
+from fapstream.records import N_FAPS, ExpressionName
+
+N_VISEMES = 15
+"""Viseme 0 is none, 1-14 as in ISO/IEC 14496-2."""
+
+EXPRESSIONS: tuple[ExpressionName, ...] = ("joy", "sadness", "anger", "fear", "disgust", "surprise")
+"""In the order of FAP 2: joy is 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fap:
+    """One row of the FAP table. `unit` is a FAPU's name, `AU` for 1e-5 rad, or `na`."""
+
+    fap: int
+    name: str
+    unit: str
+    group: int
+    directions: int
+    positive: str
+    fdp: tuple[str, ...]
+    quant: int
+
+
+@cache
+def faps() -> tuple[Fap, ...]:
+    """The 68 FAPs, FAP n at n-1."""
+    rows = json.loads(_read("faps.json"))
+    return tuple(Fap(**{**row, "fdp": tuple(row["fdp"])}) for row in rows)
+
+
+@cache
+def visemes() -> NDArray[np.float64]:
+    """Low-level FAP values of visemes 0-14, shape (15, 68), FAP units."""
+    table = np.zeros((N_VISEMES, N_FAPS))
+    for line, name, values in _rows("visemes.tsv"):
+        if not name.isdigit() or not 1 <= int(name) < N_VISEMES:
+            raise DataError("visemes.tsv", line, f"{name!r} is no viseme")
+        table[int(name)] = values
+    return table
+
+
+@cache
+def expressions() -> dict[str, NDArray[np.float64]]:
+    """Low-level FAP values of each expression at full intensity, shape (68,), FAP units."""
+    table = {name: values for _, name, values in _rows("expressions.tsv")}
+    if set(table) != set(EXPRESSIONS):
+        raise DataError("expressions.tsv", None, f"expected exactly {', '.join(EXPRESSIONS)}")
+    return table
+
+
+def _read(name: str) -> str:
+    return resources.files("fapstream.fap").joinpath("data", name).read_text(encoding="utf-8")
+
+
+def _rows(name: str) -> Iterator[tuple[int, str, NDArray[np.float64]]]:
+    """Lines `name<TAB>fap=value fap=value ...` as (line number, name, values of shape (68,))."""
+    for number, line in enumerate(_read(name).splitlines(), 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        key, _, pairs = line.partition("\t")
+        values = np.zeros(N_FAPS)
+        for pair in pairs.split():
+            fap, equals, value = pair.partition("=")
+            try:
+                index = int(fap)
+                values[index - 1] = float(value)
+            except (ValueError, IndexError):
+                raise DataError(name, number, f"{pair!r} is not fap=value") from None
+            if not equals or not 3 <= index <= N_FAPS:
+                raise DataError(name, number, f"{pair!r} is not fap=value with a FAP of 3 to 68")
+        yield number, key.strip(), values

@@ -1,0 +1,132 @@
+"""Phones to MPEG-4 visemes and on to keyframes of low-level FAPs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fapstream.errors import DataError, UnknownLanguage
+from fapstream.fap import N_VISEMES, expressions, visemes
+from fapstream.records import N_FAPS, SILENCE, TimedPhone
+
+MAX_BLEND = 63
+"""FAP 1 blends two visemes in 63 steps."""
+
+REST_MS = 120
+"""In a pause the mouth takes this long to come to rest, and as long to leave it."""
+
+EASE_MS = 250
+"""An expression takes this long to come and to go."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A mouth shape and the part of the phone (0 to 1) at which it is reached."""
+
+    at: float
+    values: NDArray[np.float64]
+    """Low-level FAPs, shape (68,), FAP units."""
+
+
+@dataclass(frozen=True, slots=True)
+class PhoneShape:
+    """How one phone looks."""
+
+    targets: tuple[Target, ...]
+    hold_ms: float
+    unstressed: float
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """FAP values, shape (68,), that hold at a sample. `rest` keyframes have slope 0."""
+
+    sample: int
+    values: NDArray[np.float64]
+    rest: bool = False
+
+
+@cache
+def phone_shapes(lang: str) -> dict[str, PhoneShape]:
+    """The shape of every phone of a language, by SAMPA name. Raises UnknownLanguage."""
+    folder = resources.files("fapstream.motion").joinpath("data")
+    name = f"visemes_{lang}.tsv"
+    known = sorted(f.name[8:-4] for f in folder.iterdir() if f.name.startswith("visemes_"))
+    if lang not in known:
+        raise UnknownLanguage(lang, tuple(known))
+    shapes = {}
+    rows = folder.joinpath(name).read_text(encoding="utf-8").splitlines()
+    for number, line in enumerate(rows, 1):
+        if line.startswith(("#", "phone\t")) or not line.strip():
+            continue
+        try:
+            phone, targets, hold_ms, unstressed = line.split("\t")
+            parsed = tuple(_target(t) for t in targets.split())
+            shapes[phone] = PhoneShape(parsed, float(hold_ms), float(unstressed) / 100)
+        except (ValueError, IndexError) as e:
+            raise DataError(name, number, str(e)) from None
+    return shapes
+
+
+def _target(text: str) -> Target:
+    """`V@percent` or `V1/V2:blend@percent`."""
+    shape, _, percent = text.partition("@")
+    first, _, second = shape.partition("/")
+    if not second:
+        return Target(float(percent) / 100, visemes()[_viseme(first)])
+    number, _, blend = second.partition(":")
+    share = int(blend) / MAX_BLEND
+    if not 0 <= share <= 1:
+        raise ValueError(f"blend {blend} is not 0 to {MAX_BLEND}")
+    mixed = visemes()[_viseme(first)] * share + visemes()[_viseme(number)] * (1 - share)
+    return Target(float(percent) / 100, mixed)
+
+
+def _viseme(text: str) -> int:
+    number = int(text)
+    if not 0 <= number < N_VISEMES:
+        raise ValueError(f"there is no viseme {number}")
+    return number
+
+
+def keyframes(timed: TimedPhone, lang: str, sample_rate: int) -> Iterator[Keyframe]:
+    """The keyframes of one phone, in order, within its samples.
+
+    Each shape is reached at its part of the phone, by default the middle (paper, section 4.2), and
+    kept for `hold_ms`, so that a closure is seen at any frame rate in use.
+    """
+    phone, length = timed.phone, timed.end - timed.start
+    if phone.name == SILENCE:
+        yield from _pause(timed, sample_rate)
+        return
+    shape = phone_shapes(lang).get(phone.name) or phone_shapes(lang)[SILENCE]
+    scale = 1.0 if phone.stress == 1 else shape.unstressed
+    half_hold = min(shape.hold_ms / 2000 * sample_rate, 0.3 * length)
+    for target in shape.targets:
+        middle = timed.start + target.at * length
+        values = target.values * scale
+        if half_hold < 1:
+            yield Keyframe(round(middle), values)
+            continue
+        yield Keyframe(round(middle - half_hold), values)
+        yield Keyframe(round(middle + half_hold), values)
+
+
+def _pause(timed: TimedPhone, sample_rate: int) -> Iterator[Keyframe]:
+    """Rest, or an expression that eases in and out."""
+    name = timed.phone.expression
+    length = timed.end - timed.start
+    edge = min((EASE_MS if name else REST_MS) * sample_rate // 1000, length // 3)
+    rest = np.zeros(N_FAPS)
+    values = expressions()[name] if name else rest
+    if name:
+        yield Keyframe(timed.start, rest, rest=True)
+    yield Keyframe(timed.start + edge, values, rest=True)
+    yield Keyframe(timed.end - edge, values, rest=True)
+    if name:
+        yield Keyframe(timed.end, rest, rest=True)

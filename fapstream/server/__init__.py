@@ -1,0 +1,9 @@
+"""The server: joins sockets to sessions and decides nothing."""
+
+from __future__ import annotations
+
+from fapstream.server.app import running
+from fapstream.server.connection import Service
+from fapstream.server.http import Site
+
+__all__ = ["Service", "Site", "running"]

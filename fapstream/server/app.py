@@ -1,0 +1,100 @@
+"""One port for everything: the page, the client, the heads, and the websocket."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from http import HTTPStatus
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import NegotiationError
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
+
+from fapstream.protocol import generated as g
+from fapstream.server.connection import Connection, Service
+from fapstream.server.http import Answer, Site
+
+log = logging.getLogger("fapstream.server")
+
+WEBSOCKET_PATH = "/ws"
+QUEUE_FRAMES = 16
+GOODBYE_S = 2.0
+
+
+class App:
+    """The server's state: who is connected."""
+
+    def __init__(self, service: Service, site: Site) -> None:
+        self._service = service
+        self._site = site
+        self._connections: set[Connection] = set()
+
+    async def handle(self, socket: ServerConnection) -> None:
+        """One websocket from its handshake to its end."""
+        connection = Connection(socket, self._service)
+        self._connections.add(connection)
+        try:
+            await connection.run()
+        finally:
+            self._connections.discard(connection)
+
+    def http(self, socket: ServerConnection, request: Request) -> Response | None:
+        """Answer a plain request; None lets a websocket handshake go on."""
+        path = request.path.partition("?")[0]
+        if path == WEBSOCKET_PATH and "upgrade" in request.headers.get("Connection", "").lower():
+            return None
+        if path == WEBSOCKET_PATH:
+            return _response(Answer(426, (("Upgrade", "websocket"),), b"This address speaks WebSocket.\n"))
+        headers = request.headers
+        return _response(
+            self._site.answer(path, headers.get("Accept-Encoding", ""), headers.get("If-None-Match", ""))
+        )
+
+    async def goodbye(self) -> None:
+        """Tell everyone that the server goes down."""
+        goodbyes = [c.close("the server is going down") for c in self._connections]
+        async with asyncio.timeout(GOODBYE_S):
+            await asyncio.gather(*goodbyes, return_exceptions=True)
+
+
+def _response(answer: Answer) -> Response:
+    headers = Headers(answer.headers)
+    headers["Content-Length"] = str(len(answer.body))
+    headers["Connection"] = "close"
+    status = HTTPStatus(answer.status)
+    return Response(status.value, status.phrase, headers, answer.body)
+
+
+def _subprotocol(socket: ServerConnection, offered: Sequence[Subprotocol]) -> Subprotocol:
+    if g.SUBPROTOCOL not in offered:
+        raise NegotiationError(f"offer the subprotocol {g.SUBPROTOCOL}")
+    return Subprotocol(g.SUBPROTOCOL)
+
+
+@asynccontextmanager
+async def running(service: Service, site: Site, host: str, port: int) -> AsyncIterator[Server]:
+    """The server, listening. Leaving says goodbye to everyone and closes. Raises OSError."""
+    app = App(service, site)
+    async with serve(
+        app.handle,
+        host,
+        port,
+        process_request=app.http,
+        select_subprotocol=_subprotocol,
+        compression=None,
+        max_size=g.MAX_MESSAGE_BYTES,
+        max_queue=QUEUE_FRAMES,
+        close_timeout=GOODBYE_S,
+        logger=logging.getLogger("fapstream.websockets"),
+    ) as server:
+        try:
+            yield server
+        finally:
+            try:
+                await app.goodbye()
+            except TimeoutError:
+                log.warning("some clients did not say goodbye")

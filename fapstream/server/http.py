@@ -1,0 +1,115 @@
+"""The few files the server gives out: the page, the client, the heads. Pure: a path in, a response out."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import re
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".glb": "model/gltf-binary",
+    ".svg": "image/svg+xml",
+}
+
+PAGE = re.compile(r"/([a-z0-9][a-z0-9.-]{0,63})?")
+HEAD = re.compile(r"/heads/([A-Za-z0-9][A-Za-z0-9_-]{0,63})\.glb")
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file ready to be sent."""
+
+    body: bytes
+    packed: bytes
+    """The same, gzipped."""
+    content_type: str
+    etag: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """An HTTP response."""
+
+    status: int
+    headers: tuple[tuple[str, str], ...]
+    body: bytes = b""
+
+
+class Site:
+    """What can be fetched. `heads`: more head files by name, beside those in the package."""
+
+    def __init__(self, heads: dict[str, Path] | None = None) -> None:
+        self._heads: dict[str, Traversable] = {**packaged_heads(), **(heads or {})}
+
+    @property
+    def heads(self) -> tuple[str, ...]:
+        """Names of the heads, the default one first."""
+        return tuple(self._heads)
+
+    def answer(self, path: str, accept_encoding: str = "", if_none_match: str = "") -> Answer:
+        """The response to GET `path`; query strings are ignored."""
+        found = self._find(path.partition("?")[0])
+        if found is None:
+            return Answer(404, (("Content-Type", "text/plain"),), b"Not found\n")
+        file = _load(found)
+        headers = [
+            ("Content-Type", file.content_type),
+            ("Access-Control-Allow-Origin", "*"),
+            ("Cross-Origin-Resource-Policy", "cross-origin"),
+            ("X-Content-Type-Options", "nosniff"),
+            ("Cache-Control", "no-cache"),
+            ("Vary", "Accept-Encoding"),
+            ("ETag", file.etag),
+        ]
+        if if_none_match == file.etag:
+            return Answer(304, tuple(headers))
+        if "gzip" in accept_encoding:
+            return Answer(200, (*headers, ("Content-Encoding", "gzip")), file.packed)
+        return Answer(200, tuple(headers), file.body)
+
+    def _find(self, path: str) -> Traversable | None:
+        if match := HEAD.fullmatch(path):
+            return self._heads.get(match[1])
+        if match := PAGE.fullmatch(path):
+            return _pages().get(match[1] or "index.html")
+        return None
+
+
+def packaged_heads() -> dict[str, Traversable]:
+    """The heads that come with the package; `generic` first."""
+    folder = resources.files("fapstream").joinpath("assets", "heads")
+    found = {f.name[:-4]: f for f in folder.iterdir() if f.name.endswith(".glb")}
+    return dict(sorted(found.items(), key=lambda item: (item[0] != "generic", item[0])))
+
+
+@cache
+def _pages() -> dict[str, Traversable]:
+    """The built web client by file name. Only what is listed here can be fetched."""
+    folder = resources.files("fapstream.server").joinpath("web")
+    return {f.name: f for f in folder.iterdir() if f.is_file() and Path(f.name).suffix in TYPES}
+
+
+_loaded: dict[str, File] = {}
+
+
+def _load(source: Traversable) -> File:
+    """The file, read once."""
+    key = str(source)
+    if key not in _loaded:
+        _loaded[key] = _read(source)
+    return _loaded[key]
+
+
+def _read(source: Traversable) -> File:
+    body = source.read_bytes()
+    digest = hashlib.sha256(body).hexdigest()[:16]
+    kind = TYPES.get(Path(source.name).suffix, "application/octet-stream")
+    return File(body, gzip.compress(body, 6, mtime=0), kind, f'"{digest}"')

@@ -1,0 +1,43 @@
+"""When a packet may leave: at most so far ahead of what is being heard. `now` is an argument."""
+
+from __future__ import annotations
+
+LEAD_S = 1.5
+"""Packets are sent this far ahead of what is heard, so a listener never has more in store."""
+
+
+class Pacer:
+    """The clock of one turn as the listener is thought to hear it.
+
+    `_origin` is the time at which sample 0 was heard, as far as we know: real time from the first
+    packet on, later when the turn ran dry, corrected by what the listener acknowledges.
+    """
+
+    def __init__(self, sample_rate: int, lead_s: float = LEAD_S) -> None:
+        self._sample_rate = sample_rate
+        self._lead_s = lead_s
+        self._origin: float | None = None
+        self._sent_end = 0
+
+    def due(self, sample: int, now: float) -> float:
+        """The time from which the packet that begins at `sample` may leave."""
+        if self._origin is None:
+            return now
+        return self._origin + sample / self._sample_rate - self._lead_s
+
+    def sent(self, start: int, end: int, now: float) -> None:
+        """A packet has left. One that comes after its time shifts everything behind it."""
+        late = now - start / self._sample_rate
+        self._origin = late if self._origin is None else max(self._origin, late)
+        self._sent_end = max(self._sent_end, end)
+
+    def acknowledge(self, sample: int, now: float) -> None:
+        """The listener hears `sample` now. What it cannot have is clamped."""
+        if self._origin is not None:
+            self._origin = now - min(sample, self._sent_end) / self._sample_rate
+
+    def heard(self, now: float) -> int:
+        """The sample thought to be heard, never beyond what was sent."""
+        if self._origin is None:
+            return 0
+        return max(0, min(self._sent_end, int((now - self._origin) * self._sample_rate)))

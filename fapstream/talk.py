@@ -1,0 +1,171 @@
+"""One turn brought to life: text comes in at any pace, a voice speaks it, packets go out.
+
+Three things run at once: the writer hands phrases to the voice as far ahead as is useful, the reader takes
+sound as it is made, and the caller takes packets.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncGenerator, Callable
+from contextlib import suppress
+
+from fapstream.errors import TextTooLong
+from fapstream.pipeline import Pipeline
+from fapstream.ports import Synthesizer
+from fapstream.records import Packet, Utterance
+
+MAX_PENDING_TEXT = 262_144
+"""Characters that may wait to be spoken."""
+
+SLICE = 256
+"""Characters given to the front-end at a time, so that nobody else waits long."""
+
+AHEAD_S = 12.0
+"""The voice is given no more text while it has made this much more sound than was taken."""
+
+STALL_S = 0.06
+"""Text that pauses this long, while the listener is about to run dry, is spoken as far as it goes."""
+
+HOLD_WORDS_S = 0.25
+"""With less than this left to hear, complete words are spoken without waiting for their phrase."""
+
+HOLD_SOUND_S = 0.10
+"""With less than this left to hear, the voice gives out what it keeps back for the next phone."""
+
+
+class Talk:
+    """A turn in progress. `heard_s` tells how many seconds of it the listener has heard."""
+
+    def __init__(
+        self, pipeline: Pipeline, synthesizer: Synthesizer, heard_s: Callable[[], float] | None = None
+    ) -> None:
+        self._pipeline = pipeline
+        self._synthesizer = synthesizer
+        self._heard_s = heard_s
+        self._rate = pipeline.turn.sample_rate
+        self._text: deque[str] = deque()
+        self._pending = 0
+        self._ended = False
+        self._open = False
+        self._finished = False
+        self._stalled_since: float | None = None
+        self._text_came = asyncio.Event()
+        self._sound_came = asyncio.Event()
+        self._tasks: list[asyncio.Task[None]] = []
+
+    def feed(self, text: str) -> None:
+        """More text. Raises TextTooLong, and takes none of it, when too much waits already."""
+        if self._pending + len(text) > MAX_PENDING_TEXT:
+            raise TextTooLong(self._pending + len(text), MAX_PENDING_TEXT)
+        for at in range(0, len(text), SLICE):
+            self._text.append(text[at : at + SLICE])
+        self._pending += len(text)
+        self._text_came.set()
+
+    def end(self) -> None:
+        """The text is complete."""
+        self._ended = True
+        self._text_came.set()
+
+    @property
+    def room(self) -> int:
+        """Characters that may be fed now."""
+        return MAX_PENDING_TEXT - self._pending
+
+    def heard_char(self, sample: int) -> int:
+        """Code points of the text heard by `sample`."""
+        return self._pipeline.heard_char(sample)
+
+    async def packets(self) -> AsyncGenerator[Packet, None]:
+        """The turn's packets, in order, as early as they can be made. Raises SynthesisError."""
+        self._tasks = [asyncio.create_task(self._write()), asyncio.create_task(self._read())]
+        while True:
+            self._sound_came.clear()
+            finished, dry = self._finished, self._dry()
+            for packet in self._pipeline.packets(dry, finished):
+                yield packet
+            self._raise_failure()
+            if finished:
+                return
+            await self._sound_came.wait()
+
+    async def aclose(self) -> None:
+        """Stop, whatever the state, and give the voice back."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._synthesizer.aclose()
+
+    def _raise_failure(self) -> None:
+        for task in self._tasks:
+            if task.done() and not task.cancelled() and (error := task.exception()):
+                raise error
+
+    def _dry(self) -> bool:
+        """No text waits and none is being spoken beyond what the voice has given out."""
+        return not (self._text or self._open or self._ended or self._pipeline.pending_words)
+
+    # the writer
+
+    async def _write(self) -> None:
+        try:
+            while self._text or not self._ended:
+                if self._text and not self._too_far_ahead():
+                    slice_ = self._text.popleft()
+                    self._pending -= len(slice_)
+                    await self._speak(self._pipeline.feed(slice_))
+                    await asyncio.sleep(0)
+                else:
+                    await self._wait_for_text()
+                await self._speak_what_stalls()
+            await self._speak(self._pipeline.end())
+            await self._synthesizer.finish()
+        finally:
+            self._sound_came.set()
+
+    async def _speak(self, utterances: list[Utterance]) -> None:
+        for utterance in utterances:
+            await self._synthesizer.write(utterance)
+            self._open = not utterance.closed
+            self._stalled_since = None
+
+    def _too_far_ahead(self) -> bool:
+        return self._pipeline.planned - self._pipeline.produced > AHEAD_S * self._rate
+
+    async def _wait_for_text(self) -> None:
+        if not self._too_far_ahead():
+            self._text_came.clear()
+        stalling = self._pipeline.pending_words or self._open or self._text
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._text_came.wait(), STALL_S if stalling else None)
+        if self._too_far_ahead():
+            await asyncio.sleep(STALL_S)
+
+    async def _speak_what_stalls(self) -> None:
+        """When the listener is about to run dry: speak the words there are, then the voice's remainder."""
+        if self._heard_s is None or self._ended or not (self._pipeline.pending_words or self._open):
+            return
+        now = asyncio.get_running_loop().time()
+        self._stalled_since = self._stalled_since or now
+        left = self._pipeline.produced / self._rate - self._heard_s()
+        if now - self._stalled_since < STALL_S * 0.9:
+            return
+        if self._pipeline.pending_words and left < HOLD_WORDS_S:
+            await self._speak(self._pipeline.hold())
+        elif self._open and left < HOLD_SOUND_S:
+            self._open = False
+            await self._synthesizer.flush()
+            self._sound_came.set()
+
+    # the reader
+
+    async def _read(self) -> None:
+        try:
+            async for speech in self._synthesizer.speech():
+                self._pipeline.add(speech)
+                self._sound_came.set()
+            self._finished = True
+        finally:
+            self._sound_came.set()

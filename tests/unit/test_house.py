@@ -1,0 +1,167 @@
+"""The rules of the house: who may import whom, no circles, and a test for every module."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "fapstream"
+
+IO_MODULES = {
+    "asyncio", "threading", "multiprocessing", "concurrent", "subprocess", "socket", "ssl", "urllib", "http",
+    "time", "logging", "websockets", "pyaudio", "moderngl", "select", "selectors", "signal",
+}  # fmt: skip
+
+EVERYONE = {"errors", "records", "ports"}
+
+ROOMS: dict[str, set[str]] = {
+    # room: the rooms it may import besides errors, records and ports
+    "errors": set(),
+    "records": set(),
+    "ports": set(),
+    "tts": set(),
+    "fap": set(),
+    "motion": {"fap"},
+    "head": {"fap"},
+    "stream": set(),
+    "protocol": set(),
+    "pipeline": {"tts", "motion", "fap", "stream"},
+    "talk": {"pipeline"},
+    "adapters": {"tts"},
+    "server": {"tts", "pipeline", "talk", "protocol", "stream"},
+    "client": {"protocol"},
+    "cli": {
+        "adapters",
+        "client",
+        "fap",
+        "head",
+        "motion",
+        "pipeline",
+        "protocol",
+        "server",
+        "stream",
+        "talk",
+        "tts",
+    },
+}
+
+IO_ROOMS = {"talk", "adapters", "server", "client", "cli"}
+
+THIRD_PARTY: dict[str, set[str]] = {
+    "protocol": {"msgpack"},
+    "adapters": {"pyaudio", "espeakng_loader"},
+    "server": {"websockets"},
+    "client": {"websockets"},
+}
+COMMON_THIRD_PARTY = {"numpy", "scipy"}
+
+
+def modules() -> list[Path]:
+    return sorted(p for p in PACKAGE.rglob("*.py"))
+
+
+def name_of(path: Path) -> str:
+    parts = list(path.relative_to(ROOT).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(path: Path) -> set[str]:
+    """Dotted names of the modules that a file imports, wherever the import stands."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            assert node.module
+            found.add(node.module)
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def room_of(dotted: str) -> str:
+    parts = dotted.split(".")
+    return parts[1] if len(parts) > 1 else ""
+
+
+@pytest.mark.parametrize("path", modules(), ids=name_of)
+def test_imports_keep_the_rules(path: Path) -> None:
+    room = room_of(name_of(path))
+    if room in ("", "__main__"):
+        return
+    assert room in ROOMS, f"{room} is no room of the house; add it to ROOMS with what it may import"
+    for dotted in imports(path):
+        top = dotted.partition(".")[0]
+        if top == "fapstream":
+            other = room_of(dotted)
+            allowed = ROOMS[room] | EVERYONE | {room, "", "__version__", "connect"}
+            assert other in allowed, f"{room} may not import {other}"
+        elif top in IO_MODULES and room not in IO_ROOMS:
+            pytest.fail(f"{room} is pure and may not import {top}")
+        elif top not in sys.stdlib_module_names:
+            allowed_third = COMMON_THIRD_PARTY | THIRD_PARTY.get(room, set())
+            assert top in allowed_third, f"{room} may not import {top}"
+
+
+def test_there_are_no_import_circles() -> None:
+    names = {name_of(p): p for p in modules()}
+    edges = {n: {d for d in imports(p) if d in names and d != n} for n, p in names.items()}
+    # a package's face hands names on; what counts is what its modules need
+    done: set[str] = set()
+
+    def visit(node: str, trail: tuple[str, ...]) -> None:
+        assert node not in trail, "circle: " + " -> ".join((*trail[trail.index(node) :], node))
+        if node not in done:
+            for other in sorted(edges[node]):
+                if not node.startswith(other + "."):
+                    visit(other, (*trail, node))
+            done.add(node)
+
+    for name in sorted(names):
+        visit(name, ())
+
+
+GENERATED_OR_SHELL = {
+    "fapstream.__main__",
+    "fapstream.errors",
+    "fapstream.records",
+    "fapstream.ports",
+    "fapstream.protocol.generated",
+}
+
+
+@pytest.mark.parametrize(
+    "path",
+    [p for p in modules() if p.stem != "__init__" and name_of(p) not in GENERATED_OR_SHELL],
+    ids=name_of,
+)
+def test_every_module_has_its_test(path: Path) -> None:
+    relative = path.relative_to(PACKAGE)
+    mirror = ROOT / "tests" / "unit" / relative.parent / f"test_{relative.name}"
+    assert mirror.is_file(), f"no {mirror.relative_to(ROOT)}"
+
+
+def test_every_unit_test_mirrors_a_module() -> None:
+    for test in (ROOT / "tests" / "unit").rglob("test_*.py"):
+        relative = test.relative_to(ROOT / "tests" / "unit")
+        if relative == Path("test_house.py"):
+            continue
+        module = PACKAGE / relative.parent / relative.name.removeprefix("test_")
+        assert module.is_file(), f"{relative} tests no module"
+
+
+def test_generated_equals_committed() -> None:
+    check = [sys.executable, str(ROOT / "tools" / "generate_protocol.py"), "--check"]
+    result = subprocess.run(check, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout
+
+
+def test_nothing_committed_names_a_registry() -> None:
+    for name in ("constraints.txt", "clients/web/package-lock.json"):
+        text = (ROOT / name).read_text(encoding="utf-8")
+        assert "://" not in "\n".join(line for line in text.splitlines() if '"url"' not in line), name

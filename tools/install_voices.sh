@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Install MBROLA and its voices on a Debian-like system, as root, from the archive that the machine already uses.
+set -euo pipefail
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$work/parts" "$work/lists/partial"
+
+components="contrib non-free"
+if grep -q '^ID=ubuntu' /etc/os-release; then components="universe multiverse"; fi
+
+# deb822 stanzas, then one-line entries, each with its components replaced
+for f in /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list.d/ubuntu.sources; do
+  [ -r "$f" ] && sed -E "s/^Components:.*/Components: $components/" "$f" >"$work/parts/$(basename "$f")"
+done
+cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
+  sed -nE "s@^(deb (\[[^]]*\] )?[^ ]+/(debian|ubuntu)[^ ]*/? [^ ]+) .*@\1 $components@p" >"$work/parts/lines.list"
+
+options=(-o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$work/parts" -o "Dir::State::lists=$work/lists")
+apt-get "${options[@]}" -qq update
+DEBIAN_FRONTEND=noninteractive apt-get "${options[@]}" -y -qq --no-install-recommends install \
+  mbrola mbrola-us1 mbrola-en1 mbrola-gr1 mbrola-gr2 >/dev/null

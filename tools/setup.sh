@@ -1,0 +1,82 @@
+# Shared by tools/run, tools/test and tools/bench: makes what they need, says what it does, and is quick
+# when there is nothing to do. Sourced, never run.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+venv=$root/.venv
+
+say() { printf '\033[2m%s\033[0m\n' "$*" >&2; }
+die() { printf 'fapstream: %s\n' "$*" >&2; exit 1; }
+
+debian_like() { command -v apt-get >/dev/null && [ -r /etc/os-release ] && grep -qiE '^ID(_LIKE)?=.*(debian|ubuntu)' /etc/os-release; }
+
+# as_root "what for" command...: runs it as root if we are root, or if a person at the terminal agrees to sudo.
+as_root() {
+  local why=$1
+  shift
+  if [ "$(id -u)" = 0 ]; then
+    "$@"
+  elif command -v sudo >/dev/null && [ -t 0 ] && [ -t 2 ]; then
+    read -r -p "$why needs root. Use sudo? [y/N] " answer
+    case $answer in [yY]*) sudo "$@" ;; *) return 1 ;; esac
+  else
+    return 1
+  fi
+}
+
+apt_install() { # apt_install "what for" package...
+  local why=$1
+  shift
+  debian_like || return 1
+  say "installing $* ($why)"
+  as_root "Installing $*" bash -c '
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get install -y -qq --no-install-recommends "$@" >/dev/null 2>&1 ||
+      { apt-get update -qq && apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }' apt "$@"
+}
+
+python_ok() { "$1" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
+
+find_python() {
+  local p
+  for p in python3 python3.13 python3.12 python3.11; do
+    if command -v "$p" >/dev/null && python_ok "$p"; then echo "$p"; return; fi
+  done
+  apt_install "Python" python3 python3-venv >&2 && python_ok python3 && { echo python3; return; }
+  die "Python 3.11 or newer with the venv module is needed"
+}
+
+# make_venv extras: the package and its extras in .venv, as constraints.txt pins them.
+make_venv() {
+  local stamp want
+  stamp=$venv/.fapstream-$1
+  want=$(cat "$root/pyproject.toml" "$root/constraints.txt" | cksum)
+  [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$want" ] && return
+  if [ ! -x "$venv/bin/python" ]; then
+    local python
+    python=$(find_python)
+    say "making .venv"
+    "$python" -m venv "$venv"
+  fi
+  say "installing fapstream[$1] into .venv"
+  "$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$root/constraints.txt" -e "$root[$1]" ||
+    die "pip could not install fapstream[$1]"
+  echo "$want" >"$stamp"
+}
+
+have_voices() { command -v mbrola >/dev/null && ls /usr/share/mbrola/{us1,en1,gr1,gr2}/* >/dev/null 2>&1; }
+
+# MBROLA and its voices are in Debian's contrib and non-free. Only for this one installation, the machine's own
+# sources are read with those components; nothing in /etc/apt is changed.
+install_voices() {
+  have_voices && return
+  if ! debian_like || [ -e "$venv/.fapstream-no-mbrola" ]; then
+    say "MBROLA is not installed: the embedded voice (eSpeak NG) serves instead"
+    return
+  fi
+  say "installing MBROLA and the voices us1 en1 gr1 gr2 (their licences forbid shipping them)"
+  if as_root "Installing MBROLA and its voices" bash "$root/tools/install_voices.sh" && have_voices; then
+    return
+  fi
+  touch "$venv/.fapstream-no-mbrola"
+  say "MBROLA could not be installed: the embedded voice (eSpeak NG) serves instead (delete .venv/.fapstream-no-mbrola to try again)"
+}
