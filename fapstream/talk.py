@@ -129,7 +129,7 @@ class Talk:
         for utterance in utterances:
             await self._synthesizer.write(utterance)
             self._open = not utterance.closed
-            self._stalled_since = None
+            self._stalled_since = asyncio.get_running_loop().time() if self._open else None
 
     def _too_far_ahead(self) -> bool:
         return self._pipeline.planned - self._pipeline.produced > AHEAD_S * self._rate

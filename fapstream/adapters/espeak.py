@@ -19,6 +19,7 @@ import numpy as np
 
 from fapstream.adapters.alignment import align
 from fapstream.adapters.espeak_worker import FRAME
+from fapstream.adapters.spares import Spares
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
 from fapstream.tts import Voice, espeak_map, phone_set
@@ -221,35 +222,23 @@ def split_at_pauses(phones: Sequence[Phone]) -> list[list[Phone]]:
 
 
 class EspeakPool:
-    """Warm workers."""
+    """Warm workers; any of them speaks any language."""
 
-    def __init__(self, spares: int = 2) -> None:
-        self._spares = spares
-        self._idle: deque[EspeakProcess] = deque()
+    def __init__(self) -> None:
+        self._spares = Spares(EspeakProcess.start)
 
-    async def warm(self, voice: Voice) -> None:
-        """Start a spare and let it read its data. Raises VoiceUnavailable."""
-        process = await EspeakProcess.start()
-        await process.speak(_request((), voice))
-        await self.release(process, reusable=True)
+    async def warm(self) -> None:
+        """Start a spare. Raises VoiceUnavailable."""
+        await self._spares.warm()
 
     async def acquire(self, voice: Voice) -> EspeakSynthesizer:
         """A voice ready for one turn. Raises VoiceUnavailable."""
-        while self._idle:
-            process = self._idle.popleft()
-            if process.alive:
-                return EspeakSynthesizer(self, process, voice)
-            await process.aclose()
-        return EspeakSynthesizer(self, await EspeakProcess.start(), voice)
+        return EspeakSynthesizer(self, await self._spares.take(), voice)
 
     async def release(self, process: EspeakProcess, reusable: bool) -> None:
         """Take a worker back, or end it."""
-        if reusable and process.alive and len(self._idle) < self._spares:
-            self._idle.append(process)
-        else:
-            await process.aclose()
+        await self._spares.give_back(process, reusable)
 
     async def aclose(self) -> None:
         """End every idle worker."""
-        while self._idle:
-            await self._idle.popleft().aclose()
+        await self._spares.aclose()

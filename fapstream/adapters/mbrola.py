@@ -17,6 +17,7 @@ from shutil import which
 
 import numpy as np
 
+from fapstream.adapters.spares import Spares
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
 from fapstream.tts import Voice, lengths, pho, realise
@@ -279,36 +280,27 @@ def amplified(pcm: Pcm, gain: float) -> Pcm:
 
 
 class MbrolaPool:
-    """Warm processes, a few of each voice."""
+    """Warm processes of each voice."""
 
-    def __init__(self, spares: int = 2) -> None:
-        self._spares = spares
-        self._idle: dict[str, deque[MbrolaProcess]] = {}
+    def __init__(self) -> None:
+        self._spares: dict[str, Spares[MbrolaProcess]] = {}
 
     async def warm(self, voice: Voice) -> None:
         """Start a spare, so that the first turn finds it running. Raises VoiceUnavailable."""
-        await self.release(voice, await MbrolaProcess.start(voice), reusable=True)
+        await self._of(voice).warm()
 
     async def acquire(self, voice: Voice) -> MbrolaSynthesizer:
         """A voice ready for one turn. Raises VoiceUnavailable."""
-        idle = self._idle.get(voice.name, deque())
-        while idle:
-            process = idle.popleft()
-            if process.alive:
-                return MbrolaSynthesizer(self, process, voice)
-            await process.aclose()
-        return MbrolaSynthesizer(self, await MbrolaProcess.start(voice), voice)
+        return MbrolaSynthesizer(self, await self._of(voice).take(), voice)
 
     async def release(self, voice: Voice, process: MbrolaProcess, reusable: bool) -> None:
         """Take a process back, or end it."""
-        idle = self._idle.setdefault(voice.name, deque())
-        if reusable and process.alive and len(idle) < self._spares:
-            idle.append(process)
-        else:
-            await process.aclose()
+        await self._of(voice).give_back(process, reusable)
 
     async def aclose(self) -> None:
         """End every idle process."""
-        for idle in self._idle.values():
-            while idle:
-                await idle.popleft().aclose()
+        for spares in self._spares.values():
+            await spares.aclose()
+
+    def _of(self, voice: Voice) -> Spares[MbrolaProcess]:
+        return self._spares.setdefault(voice.name, Spares(lambda: MbrolaProcess.start(voice)))

@@ -21,10 +21,11 @@ class VoicePool:
     def __init__(self) -> None:
         self._mbrola = MbrolaPool()
         self._espeak = EspeakPool()
+        self._installed = tuple(v for v in voices() if installed(v))
 
     def all(self) -> tuple[Voice, ...]:
         """Every voice that can speak here, the preferred one of each language first."""
-        return tuple(v for v in voices() if installed(v))
+        return self._installed
 
     def find(self, name: str | None, lang: str | None) -> Voice:
         """The voice called `name`, or the preferred one of `lang`.
@@ -33,7 +34,7 @@ class VoicePool:
         """
         if name is not None:
             found = voice(name)
-            if not installed(found):
+            if found not in self._installed:
                 raise VoiceUnavailable(f"the voice {name} is not installed on this machine")
             return found
         code = (lang or LANGUAGES[0]).partition("-")[0].lower()
@@ -51,7 +52,7 @@ class VoicePool:
         if candidate.engine == "mbrola":
             await self._mbrola.warm(candidate)
         else:
-            await self._espeak.warm(candidate)
+            await self._espeak.warm()
 
     async def acquire(self, candidate: Voice) -> Synthesizer:
         """Ready for one turn. Raises SynthesisError."""
