@@ -4,7 +4,7 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 venv=$root/.venv
 
-say() { printf '\033[2m%s\033[0m\n' "$*" >&2; }
+if [ -t 2 ]; then say() { printf '\033[2m%s\033[0m\n' "$*" >&2; }; else say() { printf '%s\n' "$*" >&2; }; fi
 die() { printf 'fapstream: %s\n' "$*" >&2; exit 1; }
 
 debian_like() { command -v apt-get >/dev/null && [ -r /etc/os-release ] && grep -qiE '^ID(_LIKE)?=.*(debian|ubuntu)' /etc/os-release; }

@@ -1,0 +1,90 @@
+"""The mouth as a camera would see it: pixels of the canvas, read by the test's own script."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from playwright.async_api import Page
+
+from tests.e2e.sound import RATE, Recording
+
+WATCH = """
+async ([selector, box]) => {
+  const head = document.querySelector(selector);
+  const small = new OffscreenCanvas(64, 48);
+  const paint = small.getContext("2d", { willReadFrequently: true });
+  const seen = (window.seen = []);
+  const look = () => {
+    const canvas = head.shadowRoot.querySelector("canvas");
+    const [x, y, w, h] = box;
+    paint.drawImage(canvas, x * canvas.width, y * canvas.height, w * canvas.width, h * canvas.height, 0, 0, 64, 48);
+    const { data } = paint.getImageData(0, 0, 64, 48);
+    let dark = 0;
+    for (let i = 0; i < data.length; i += 4) dark += data[i] + data[i + 1] + data[i + 2] < 200 ? 1 : 0;
+    seen.push([performance.timeOrigin + performance.now(), dark]);
+    if (window.seen === seen) requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+}
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """Frames: wall clock in seconds, and how many of 3072 pixels of the mouth's box are dark."""
+
+    times: NDArray[np.float64]
+    opening: NDArray[np.float64]
+
+
+async def watch(page: Page, selector: str, box: Sequence[float]) -> None:
+    """Begin to look at `box` (x, y, w, h as parts of the canvas) in every frame."""
+    await page.evaluate(WATCH, [selector, list(box)])
+
+
+async def seen(page: Page) -> Sight:
+    """Everything seen; ends the looking."""
+    rows = np.array(await page.evaluate("() => { const s = window.seen; window.seen = null; return s; }"))
+    return Sight(rows[:, 0] / 1000, rows[:, 1])
+
+
+def closures(times: NDArray[np.float64], opening: NDArray[np.float64]) -> list[float]:
+    """The middles of the times in which the mouth, or the sound, is shut for 30 to 250 ms.
+
+    Shut: below a third of the way from its least to its usual most. Crossings are interpolated.
+    """
+    low, high = np.percentile(opening, 2), np.percentile(opening, 90)
+    limit = low + (high - low) / 3
+    shut = opening < limit
+    out = []
+    edges = np.flatnonzero(shut[1:] != shut[:-1])
+    for first, last in zip(edges, edges[1:], strict=False):
+        if shut[first]:
+            continue
+        start, end = (_crossing(times, opening, i, limit) for i in (first, last))
+        if 0.03 <= end - start <= 0.25:
+            out.append((start + end) / 2)
+    return out
+
+
+def _crossing(times: NDArray[np.float64], values: NDArray[np.float64], i: int, limit: float) -> float:
+    share = (limit - values[i]) / (values[i + 1] - values[i])
+    return float(times[i] + share * (times[i + 1] - times[i]))
+
+
+def heard_closures(recording: Recording) -> list[float]:
+    """The same for sound: its level in windows of 5 ms, in dB above the floor."""
+    step = RATE // 200
+    n = len(recording.pcm) // step
+    power = (recording.pcm[: n * step].astype(float).reshape(n, step) ** 2).mean(axis=1)
+    level = np.maximum(10 * np.log10(power + 1), 20.0)
+    times = np.array([recording.at((i + 0.5) * step) for i in range(n)])
+    return closures(times, np.convolve(level, np.ones(3) / 3, "same"))
+
+
+def offsets_ms(lips: Sequence[float], voice: Sequence[float]) -> NDArray[np.float64]:
+    """For every closure heard, how much later the nearest one was seen."""
+    return np.array([1000 * min((v - heard for v in lips), key=abs) for heard in voice])
