@@ -66,8 +66,30 @@ async def test_lips_are_on_the_voice(
         await asyncio.sleep(0.5)
         sight, recording = await seen(page), recorder.stop()
         assert link.stalls == bool(late_ms)
-    voice, lips = heard_closures(recording), __import__("tests.e2e.mouth", fromlist=["closures"]).closures(sight.times, sight.opening)
+    voice, lips = (
+        heard_closures(recording),
+        __import__("tests.e2e.mouth", fromlist=["closures"]).closures(sight.times, sight.opening),
+    )
     offsets = offsets_ms(lips, voice)
-    np.savez(f"/tmp/sync_{lang}_{late_ms}.npz", t=sight.times, o=sight.opening, pcm=recording.pcm, start=recording.start)
-    print(lang, late_ms, "frames/s", len(sight.times) / np.ptp(sight.times), "closures", len(voice), len(lips), "median", np.median(offsets), "p95", np.percentile(np.abs(offsets), 95), np.round(offsets))
+    np.savez(
+        f"/tmp/sync_{lang}_{late_ms}.npz",
+        t=sight.times,
+        o=sight.opening,
+        pcm=recording.pcm,
+        start=recording.start,
+    )
+    print(
+        lang,
+        late_ms,
+        "frames/s",
+        len(sight.times) / np.ptp(sight.times),
+        "closures",
+        len(voice),
+        len(lips),
+        "median",
+        np.median(offsets),
+        "p95",
+        np.percentile(np.abs(offsets), 95),
+        np.round(offsets),
+    )
     print(said["stats"][-3:], said["end"], complaints)
