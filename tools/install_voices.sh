@@ -3,6 +3,7 @@
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+chmod 755 "$work"
 mkdir -p "$work/parts" "$work/lists/partial"
 
 components="contrib non-free"
@@ -12,7 +13,8 @@ if grep -q '^ID=ubuntu' /etc/os-release; then components="universe multiverse"; 
 for f in /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list.d/ubuntu.sources; do
   [ -r "$f" ] && sed -E "s/^Components:.*/Components: $components/" "$f" >"$work/parts/$(basename "$f")"
 done
-cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
+shopt -s nullglob
+cat /dev/null /etc/apt/sources.lis[t] /etc/apt/sources.list.d/*.list |
   sed -nE "s@^(deb (\[[^]]*\] )?[^ ]+/(debian|ubuntu)[^ ]*/? [^ ]+) .*@\1 $components@p" >"$work/parts/lines.list"
 
 options=(-o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$work/parts" -o "Dir::State::lists=$work/lists")

@@ -5,11 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
+
+from fapstream.records import Pcm
 
 VOWELS = frozenset("aeiouAEIOUV@30&")
 SKIP_COST = 0.9
 OTHER_COST = 1.2
 KIN_COST = 0.5
+
+STOPS = ("stop", "affricate")
+CLOSURE_MS = 120
+"""A stop's closure is looked for this far before it opens."""
+QUIET = 0.06
+"""Below this part of a run's loudness a stop counts as closed."""
+VOICED = 0.12
+"""Above this part of the run's loudness below VOICE_HZ the voice is on."""
+VOICE_HZ = 350
+STEP_MS = 5
 
 
 def align(names: Sequence[str], events: Sequence[tuple[str, int]], end: int) -> list[int]:
@@ -61,3 +74,44 @@ def _difference(ours: str, theirs: str) -> float:
     if a[0] == b[0]:
         return 0.1
     return KIN_COST if (a[0] in VOWELS) == (b[0] in VOWELS) else OTHER_COST
+
+
+def refine(starts: Sequence[int], kinds: Sequence[tuple[str, bool]], pcm: Pcm, rate: int) -> list[int]:
+    """Marks moved to where the sound has its boundaries.
+
+    eSpeak NG marks a stop when it opens, and the phone after it late. A stop is moved back to where the sound
+    before it falls silent, what follows a voiceless stop to where the voice comes in. `kinds`: class and
+    voicing of each phone.
+    """
+    step = rate * STEP_MS // 1000
+    loud = _levels(pcm.astype(np.float32), step)
+    box = np.ones(rate // VOICE_HZ, np.float32)
+    low = _levels(np.convolve(pcm, box / len(box), "same").astype(np.float32), step)
+    out = list(starts)
+    for i in range(1, len(starts)):
+        (before, before_voiced), (kind, voiced) = kinds[i - 1], kinds[i]
+        if kind in STOPS:
+            earliest = max((out[i - 1] + starts[i]) // 2, starts[i] - CLOSURE_MS * rate // 1000)
+            out[i] = _back_to(loud, starts[i], earliest, step)
+        elif voiced and before in STOPS and not before_voiced:
+            out[i] = max(out[i - 1] + 1, _on_to(low, starts[i - 1], starts[i], step))
+    return out
+
+
+def _levels(sound: NDArray[np.float32], step: int) -> NDArray[np.float32]:
+    """Peak of every `step` samples, as a part of the run's usual peak."""
+    whole = np.abs(sound[: len(sound) // step * step]).reshape(-1, step).max(axis=1)
+    usual = np.percentile(whole, 95) if len(whole) else 0.0
+    return np.asarray(whole / max(usual, 1.0), np.float32)
+
+
+def _back_to(loud: NDArray[np.float32], at: int, earliest: int, step: int) -> int:
+    while at - step >= earliest and loud[min(at // step, len(loud)) - 1] < QUIET:
+        at -= step
+    return at
+
+
+def _on_to(low: NDArray[np.float32], at: int, latest: int, step: int) -> int:
+    while at < latest and at // step < len(low) and low[at // step] < VOICED:
+        at += step
+    return min(at, latest)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from fapstream.adapters.alignment import align
+from fapstream.adapters.alignment import align, refine
 from fapstream.adapters.espeak_worker import FRAME
 from fapstream.adapters.spares import Spares
 from fapstream.errors import SynthesisError, VoiceUnavailable
@@ -31,10 +31,6 @@ RATE_LIMITS = (80, 450)
 PITCH = 50
 MAX_FRAME = 1 << 24
 CLOSING_MS = 80
-STOP_CLASSES = ("stop", "affricate")
-CLOSURE_MS = 120
-QUIET = 0.06
-"""Below this part of a run's loudness a stop counts as closed."""
 
 
 def installed() -> bool:
@@ -172,7 +168,9 @@ class EspeakSynthesizer:
         end = next((at for name, at in events if name.startswith("_") and at > end), len(pcm))
         heard = [(name, at) for name, at in events if not name.startswith("_") and at < end]
         starts = align(espeak_map.mnemonics(run, self._voice), heard, end)
-        return pcm[:end], self._stops_at_closure(run, starts, pcm)
+        known = [phone_set(self._voice.lang)[p.name] for p in run]
+        kinds = [(info.kind, info.voiced) for info in known]
+        return pcm[:end], refine(starts, kinds, pcm, self.sample_rate)
 
     async def _exchange(self, request: dict[str, Any]) -> tuple[Pcm, list[tuple[str, int]]]:
         """Ask the worker; one that died is replaced once, and says the phrase again."""
@@ -187,22 +185,6 @@ class EspeakSynthesizer:
             answer = await self._process.speak(request)
         self._clean = True
         return answer
-
-    def _stops_at_closure(self, run: Sequence[Phone], starts: list[int], pcm: Pcm) -> list[int]:
-        """eSpeak marks a stop when it opens; move the mark to where the sound before it falls silent."""
-        level = np.abs(pcm.astype(np.float32))
-        floor = QUIET * float(np.percentile(level, 95)) if len(level) else 0.0
-        step = self.sample_rate // 200
-        out = list(starts)
-        for i in range(1, len(run)):
-            if phone_set(self._voice.lang)[run[i].name].kind not in STOP_CLASSES:
-                continue
-            earliest = max((out[i - 1] + starts[i]) // 2, starts[i] - CLOSURE_MS * self.sample_rate // 1000)
-            at = starts[i]
-            while at - step >= earliest and level[at - step : at].max(initial=0.0) < floor:
-                at -= step
-            out[i] = at
-        return out
 
 
 def _request(run: Sequence[Phone], voice: Voice) -> dict[str, Any]:
