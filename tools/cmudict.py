@@ -1,0 +1,35 @@
+"""Reads CMUdict's `cmudict.dict` as word -> tokens in fapstream's phones, for the tools beside it."""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+PAIRS = """
+    AA=A AE={ AH=V AO=O AW=aU AY=AI EH=E ER=r= EY=EI IH=I IY=i OW=@U OY=OI UH=U UW=u
+    B=b CH=tS D=d DH=D F=f G=g HH=h JH=dZ K=k L=l M=m N=n NG=N P=p R=r S=s SH=S T=t TH=T
+    V=v W=w Y=j Z=z ZH=Z
+"""
+SAMPA = dict(pair.split("=", 1) for pair in PAIRS.split())
+
+
+def token(phone: str) -> str:
+    """`AH0` -> `@0`, `IY1` -> `i1`, `HH` -> `h`."""
+    stress = phone[-1] if phone[-1].isdigit() else ""
+    base = phone.rstrip("012")
+    return ("@" if phone == "AH0" else SAMPA[base]) + stress
+
+
+def read(path: Path) -> dict[str, tuple[str, ...]]:
+    """The first pronunciation of every word; comments and variants `word(2)` are left out."""
+    entries: dict[str, tuple[str, ...]] = {}
+    for line in path.read_text(encoding="latin-1").splitlines():
+        word, *phones = line.split("#")[0].split()
+        if "(" not in word and word.isascii():
+            entries.setdefault(word, tuple(token(p) for p in phones))
+    return entries
+
+
+def held_out(word: str) -> bool:
+    """A tenth of all words, chosen by hash, is never trained on."""
+    return zlib.crc32(word.encode()) % 10 == 0
