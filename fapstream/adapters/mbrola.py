@@ -20,7 +20,7 @@ import numpy as np
 from fapstream.adapters.spares import Spares
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
-from fapstream.tts import Voice, lengths, pho, realise
+from fapstream.tts import Realiser, Voice
 
 DATABASES = (Path("/usr/share/mbrola"), Path("/usr/local/share/mbrola"))
 """Folders that hold V/V for voice V."""
@@ -69,7 +69,7 @@ class MbrolaProcess:
             env.update(LD_PRELOAD=preload, _STDBUF_O="0")
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
-            "mbrola", "-e", str(path), "-", "-.raw", stdin=pipe, stdout=pipe, stderr=pipe, env=env
+            "mbrola", "-e", "-v", str(voice.drive), str(path), "-", "-.raw", stdin=pipe, stdout=pipe, stderr=pipe, env=env
         )  # fmt: skip
         return cls(process)
 
@@ -130,7 +130,7 @@ class MbrolaSynthesizer:
         self._pool = pool
         self._process = process
         self._voice = voice
-        self._last_name = SILENCE
+        self._realiser = Realiser(voice)
         self._planned = 0
         """Samples of the turn asked for."""
         self._got = 0
@@ -153,16 +153,16 @@ class MbrolaSynthesizer:
         """See the port. Raises SynthesisError."""
         if self._failure:
             raise self._failure
-        realised = realise(utterance.phones, self._voice, self._last_name)
-        if not realised:
+        if not utterance.phones:
             return
-        self._last_name = realised[-1].name
-        start = self._planned + self._voice.period
-        for phone, n in zip(utterance.phones, lengths(realised, len(utterance.phones)), strict=True):
+        lines, ends = self._realiser.lines(utterance.phones)
+        origin = self._planned + self._voice.period
+        start = origin
+        for phone, end in zip(utterance.phones, ends, strict=True):
             word = utterance.words[phone.word] if phone.word >= 0 else None
-            self._phones.append(TimedPhone(phone, start, start + n, word))
-            start += n
-        await self._send(pho.lines(realised, self.sample_rate), sum(p.n_samples for p in realised))
+            self._phones.append(TimedPhone(phone, start, origin + end, word))
+            start = origin + end
+        await self._send(lines, ends[-1])
         self._closed = utterance.closed
         if utterance.closed:
             await self._send(FLUSH, 0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 
 from fapstream.ports import Synthesizer
-from fapstream.records import SILENCE, Speech, Utterance
-from fapstream.tts import Voice, VoicePhone, pho, realise
+from fapstream.records import Phone, Speech, Utterance
+from fapstream.tts import Realiser, Voice, VoicePhone, pho
 
 
 class PhoRecorder:
@@ -20,21 +20,20 @@ class PhoRecorder:
         self.lines: list[str] = []
         self._inner = inner
         self._voice = voice
-        self._last_name = SILENCE
+        self._realiser = Realiser(voice)
 
     async def write(self, utterance: Utterance) -> None:
         """See the port."""
         if self._voice.engine == "mbrola":
-            phones = realise(utterance.phones, self._voice, self._last_name)
-            self._last_name = phones[-1].name if phones else self._last_name
+            self.lines.append(self._realiser.lines(utterance.phones)[0])
         else:
-            phones = [
-                VoicePhone(p.name, max(1, round(p.duration_ms * self.sample_rate / 1000)),
-                           p.pitch or ((0.0, self._voice.f0_hz),), ())
-                for p in utterance.phones
-            ]  # fmt: skip
-        self.lines.append(pho.lines(phones, self.sample_rate))
+            plain = [self._plain(phone) for phone in utterance.phones]
+            self.lines.append(pho.lines(plain, self.sample_rate))
         await self._inner.write(utterance)
+
+    def _plain(self, phone: Phone) -> VoicePhone:
+        samples = max(1, round(phone.duration_ms * self.sample_rate / 1000))
+        return VoicePhone(phone.name, samples, phone.pitch or ((0.0, self._voice.f0_hz),), ())
 
     async def flush(self) -> None:
         """See the port."""

@@ -1,0 +1,27 @@
+"""Text to utterances: what is said, how long each phone lasts and on what melody; and voices to say it."""
+
+from __future__ import annotations
+
+from fapstream.tts import espeak_map, pho
+from fapstream.tts.frontend import FrontEnd
+from fapstream.tts.pho import Realiser
+from fapstream.tts.realise import VoicePhone, lengths, realise
+from fapstream.tts.tables import LANGUAGES, PhoneInfo, phone_set
+from fapstream.tts.voices import Voice, default_voice, voice, voices
+
+__all__ = [
+    "LANGUAGES",
+    "FrontEnd",
+    "PhoneInfo",
+    "Realiser",
+    "Voice",
+    "VoicePhone",
+    "default_voice",
+    "espeak_map",
+    "lengths",
+    "pho",
+    "phone_set",
+    "realise",
+    "voice",
+    "voices",
+]

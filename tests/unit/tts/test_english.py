@@ -1,0 +1,58 @@
+"""English words to phones."""
+
+from __future__ import annotations
+
+import pytest
+
+from fapstream.tts.english import english, past, plural, progressive
+from fapstream.tts.tables import phone_set, read_pairs, read_rows
+
+
+@pytest.mark.parametrize(
+    ("word", "phones"),
+    [
+        ("hello", "h @0 l @U1"),
+        ("world", "w r=1 l d"),
+        ("B", "b i1"),
+        ("internet's", "I1 n t r=0 n E2 t s"),
+        ("bosses'", "b O1 s I0 z"),
+        ("googled", "g u1 g @0 l d"),
+    ],
+)
+def test_words(word: str, phones: str) -> None:
+    assert " ".join(english().word(word)) == phones
+
+
+def test_compounds_and_unknown_words() -> None:
+    assert english().word("waterschool") == (*english().word("water"), *("s", "k", "u2", "l"))
+    assert not english().is_word("blorping")
+    assert english().word("blorping")[-2:] == ("I0", "N")
+    assert english().word("''") == ()
+
+
+def test_weak_forms_and_the_before_vowels() -> None:
+    assert english().phones(["the", "apple", "and", "the", "pear"])[0] == ("D", "i0")
+    assert english().phones(["the", "apple", "and", "the", "pear"])[3] == ("D", "@0")
+    assert english().phones(["a", "pear"])[0] == ("@0",)
+    assert english().phones(["to", "eat"])[0] == ("t", "u0")
+    assert english().phones(["to", "go"])[0] == ("t", "@0")
+    assert english().phones(["go", "to"])[1] == ("t", "u1")
+
+
+def test_endings() -> None:
+    assert plural(("k", "{1", "t"))[-1] == "s"
+    assert plural(("d", "O1", "g"))[-1] == "z"
+    assert plural(("b", "@1", "s"))[-2:] == ("I0", "z")
+    assert past(("w", "A1", "n", "t"))[-2:] == ("I0", "d")
+    assert past(("l", "{1", "f"))[-1] == "t"
+    assert progressive(("g", "@U1"))[-2:] == ("I0", "N")
+
+
+def test_the_tables_name_phones_of_the_language() -> None:
+    rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
+    written = [row[1] for row in rows] + [row[3] for row in rows]
+    written += list(read_pairs("en/letters.tsv").values())
+    phones = phone_set("en")
+    for token in " ".join(written).split():
+        name = token[:-1] if token[-1].isdigit() else token
+        assert (phones[name].kind == "vowel") == token[-1].isdigit(), token
