@@ -69,7 +69,8 @@ class MbrolaProcess:
             env.update(LD_PRELOAD=preload, _STDBUF_O="0")
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
-            "mbrola", "-e", "-v", str(voice.drive), str(path), "-", "-.raw", stdin=pipe, stdout=pipe, stderr=pipe, env=env
+            "mbrola", "-e", "-v", str(voice.drive), str(path), "-", "-.raw",
+            stdin=pipe, stdout=pipe, stderr=pipe, env=env,
         )  # fmt: skip
         return cls(process)
 
