@@ -257,148 +257,47 @@ ServerMessage = Bye | Ready | Begin | Packet | Done | Pong | Error
 Message = ClientMessage | ServerMessage
 
 STRUCTS: dict[str, tuple[type, tuple[FieldSpec, ...]]] = {
-    "voice": (
-        Voice,
-        (
-            FieldSpec(name="name", type="str", max=64),
-            FieldSpec(name="lang", type="str", max=16),
-            FieldSpec(name="engine", type="str", max=16),
-            FieldSpec(name="sample_rate", type="int", min=8000, max=48000),
-            FieldSpec(name="description", type="str", max=200, optional=True),
-        ),
-    ),
-    "mark": (
-        Mark,
-        (
-            FieldSpec(name="kind", type="str", enum=("phone", "word", "caption", "expression")),
-            FieldSpec(name="sample", type="int", min=0),
-            FieldSpec(name="duration", type="int", min=0),
-            FieldSpec(name="text", type="str", max=4096),
-            FieldSpec(name="char_start", type="int", min=0, optional=True),
-            FieldSpec(name="char_end", type="int", min=0, optional=True),
-        ),
-    ),
+    "voice": (Voice, (FieldSpec(name="name", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="engine", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="description", type="str", max=200, optional=True),)),
+    "mark": (Mark, (FieldSpec(name="kind", type="str", enum=("phone", "word", "caption", "expression")), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="duration", type="int", min=0), FieldSpec(name="text", type="str", max=4096), FieldSpec(name="char_start", type="int", min=0, optional=True), FieldSpec(name="char_end", type="int", min=0, optional=True),)),
 }
 
 MESSAGES: dict[str, tuple[type[Message], str, tuple[FieldSpec, ...]]] = {
-    "hello": (
-        Hello,
-        "client",
-        (
-            FieldSpec(name="client", type="str", max=200, optional=True),
-            FieldSpec(name="fps", type="int", enum=(25, 50), optional=True),
-            FieldSpec(name="lang", type="str", max=16, optional=True),
-            FieldSpec(name="voice", type="str", max=64, optional=True),
-            FieldSpec(name="token", type="str", max=4096, optional=True),
-        ),
-    ),
-    "speak": (
-        Speak,
-        "client",
-        (
-            FieldSpec(name="turn", type="int", min=1, max=2147483647),
-            FieldSpec(name="text", type="text", max=65536),
-            FieldSpec(name="lang", type="str", max=16, optional=True),
-            FieldSpec(name="voice", type="str", max=64, optional=True),
-            FieldSpec(name="rate", type="int", min=25, max=400, optional=True),
-        ),
-    ),
+    "hello": (Hello, "client", (FieldSpec(name="client", type="str", max=200, optional=True), FieldSpec(name="fps", type="int", enum=(25, 50), optional=True), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="token", type="str", max=4096, optional=True),)),
+    "speak": (Speak, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="text", type="text", max=65536), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="rate", type="int", min=25, max=400, optional=True),)),
     "end": (End, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647),)),
-    "interrupt": (
-        Interrupt,
-        "client",
-        (
-            FieldSpec(name="turn", type="int", min=1, max=2147483647),
-            FieldSpec(name="heard", type="int", min=0, optional=True),
-        ),
-    ),
-    "ack": (
-        Ack,
-        "client",
-        (
-            FieldSpec(name="turn", type="int", min=1, max=2147483647),
-            FieldSpec(name="sample", type="int", min=0),
-            FieldSpec(name="queue", type="int", min=0),
-            FieldSpec(name="underruns", type="int", min=0),
-            FieldSpec(name="skew", type="int"),
-        ),
-    ),
+    "interrupt": (Interrupt, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="heard", type="int", min=0, optional=True),)),
+    "ack": (Ack, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="queue", type="int", min=0), FieldSpec(name="underruns", type="int", min=0), FieldSpec(name="skew", type="int"),)),
     "ping": (Ping, "client", (FieldSpec(name="id", type="int", min=0, max=4294967295),)),
     "bye": (Bye, "both", (FieldSpec(name="reason", type="str", max=200, optional=True),)),
-    "ready": (
-        Ready,
-        "server",
-        (
-            FieldSpec(name="server", type="str", max=200),
-            FieldSpec(name="session", type="str", max=64),
-            FieldSpec(name="fps", type="int", enum=(25, 50)),
-            FieldSpec(name="faps", type="u8", max=68),
-            FieldSpec(name="voices", type="list", of="voice", max=256),
-            FieldSpec(name="heads", type="list", of="str", max=256),
-        ),
-    ),
-    "begin": (
-        Begin,
-        "server",
-        (
-            FieldSpec(name="turn", type="int", min=1, max=2147483647),
-            FieldSpec(name="voice", type="str", max=64),
-            FieldSpec(name="lang", type="str", max=16),
-            FieldSpec(name="sample_rate", type="int", min=8000, max=48000),
-            FieldSpec(name="fps", type="int", enum=(25, 50)),
-        ),
-    ),
-    "packet": (
-        Packet,
-        "server",
-        (
-            FieldSpec(name="turn", type="int", min=1, max=2147483647),
-            FieldSpec(name="sample", type="int", min=0),
-            FieldSpec(name="pcm", type="i16", max=8192),
-            FieldSpec(name="faps", type="i32", max=1024),
-            FieldSpec(name="marks", type="list", of="mark", max=512, optional=True),
-            FieldSpec(name="hold", type="bool", optional=True),
-        ),
-    ),
-    "done": (
-        Done,
-        "server",
-        (
-            FieldSpec(name="turn", type="int", min=1, max=2147483647),
-            FieldSpec(name="reason", type="str", enum=("end", "interrupted", "failed")),
-            FieldSpec(name="samples", type="int", min=0),
-            FieldSpec(name="heard", type="int", min=0, optional=True),
-            FieldSpec(name="char", type="int", min=0, optional=True),
-        ),
-    ),
+    "ready": (Ready, "server", (FieldSpec(name="server", type="str", max=200), FieldSpec(name="session", type="str", max=64), FieldSpec(name="fps", type="int", enum=(25, 50)), FieldSpec(name="faps", type="u8", max=68), FieldSpec(name="voices", type="list", of="voice", max=256), FieldSpec(name="heads", type="list", of="str", max=256),)),
+    "begin": (Begin, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="voice", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="fps", type="int", enum=(25, 50)),)),
+    "packet": (Packet, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="pcm", type="i16", max=8192), FieldSpec(name="faps", type="i32", max=1024), FieldSpec(name="marks", type="list", of="mark", max=512, optional=True), FieldSpec(name="hold", type="bool", optional=True),)),
+    "done": (Done, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="reason", type="str", enum=("end", "interrupted", "failed")), FieldSpec(name="samples", type="int", min=0), FieldSpec(name="heard", type="int", min=0, optional=True), FieldSpec(name="char", type="int", min=0, optional=True),)),
     "pong": (Pong, "server", (FieldSpec(name="id", type="int", min=0, max=4294967295),)),
-    "error": (
-        Error,
-        "server",
-        (
-            FieldSpec(name="code", type="str", max=64),
-            FieldSpec(name="message", type="str", max=1000),
-            FieldSpec(name="fatal", type="bool"),
-            FieldSpec(name="turn", type="int", min=1, max=2147483647, optional=True),
-        ),
-    ),
+    "error": (Error, "server", (FieldSpec(name="code", type="str", max=64), FieldSpec(name="message", type="str", max=1000), FieldSpec(name="fatal", type="bool"), FieldSpec(name="turn", type="int", min=1, max=2147483647, optional=True),)),
 }
 
 SESSION_CLIENT: dict[str, dict[str, str]] = {
-    "opening": {"hello": "open", "bye": "closed"},
+    "opening": {
+        "hello": "open",
+        "bye": "closed"
+    },
     "open": {
         "speak": "open",
         "end": "open",
         "interrupt": "open",
         "ack": "open",
         "ping": "open",
-        "bye": "closed",
+        "bye": "closed"
     },
-    "closed": {},
+    "closed": {}
 }
 
 SESSION_SERVER: dict[str, dict[str, str]] = {
-    "opening": {"error": "opening", "bye": "closed"},
+    "opening": {
+        "error": "opening",
+        "bye": "closed"
+    },
     "open": {
         "ready": "open",
         "begin": "open",
@@ -406,24 +305,63 @@ SESSION_SERVER: dict[str, dict[str, str]] = {
         "done": "open",
         "pong": "open",
         "error": "open",
-        "bye": "closed",
+        "bye": "closed"
     },
-    "closed": {"error": "closed"},
+    "closed": {
+        "error": "closed"
+    }
 }
 
 TURN_CLIENT: dict[str, dict[str, str]] = {
-    "new": {"speak": "feeding"},
-    "feeding": {"speak": "feeding", "end": "ended", "interrupt": "stopping", "ack": "feeding"},
-    "ended": {"interrupt": "stopping", "ack": "ended"},
-    "stopping": {"speak": "stopping", "end": "stopping", "interrupt": "stopping", "ack": "stopping"},
-    "over": {"speak": "over", "end": "over", "interrupt": "over", "ack": "over"},
+    "new": {
+        "speak": "feeding"
+    },
+    "feeding": {
+        "speak": "feeding",
+        "end": "ended",
+        "interrupt": "stopping",
+        "ack": "feeding"
+    },
+    "ended": {
+        "interrupt": "stopping",
+        "ack": "ended"
+    },
+    "stopping": {
+        "speak": "stopping",
+        "end": "stopping",
+        "interrupt": "stopping",
+        "ack": "stopping"
+    },
+    "over": {
+        "speak": "over",
+        "end": "over",
+        "interrupt": "over",
+        "ack": "over"
+    }
 }
 
 TURN_SERVER: dict[str, dict[str, str]] = {
-    "feeding": {"begin": "feeding", "packet": "feeding", "done": "over", "error": "feeding"},
-    "ended": {"begin": "ended", "packet": "ended", "done": "over", "error": "ended"},
-    "stopping": {"begin": "stopping", "packet": "stopping", "done": "over", "error": "stopping"},
-    "over": {"error": "over"},
+    "feeding": {
+        "begin": "feeding",
+        "packet": "feeding",
+        "done": "over",
+        "error": "feeding"
+    },
+    "ended": {
+        "begin": "ended",
+        "packet": "ended",
+        "done": "over",
+        "error": "ended"
+    },
+    "stopping": {
+        "begin": "stopping",
+        "packet": "stopping",
+        "done": "over",
+        "error": "stopping"
+    },
+    "over": {
+        "error": "over"
+    }
 }
 
 ERRORS: dict[str, bool] = {
