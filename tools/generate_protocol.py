@@ -208,11 +208,19 @@ def spec_tables(messages: Any) -> str:
     for m in messages["messages"]:
         arrow = {"client": "client → server", "server": "server → client", "both": "either way"}[m["from"]]
         out += [f"### `{m['name']}` ({arrow})", "", m["doc"], "", *field_table(m["fields"])]
+        out += ["", "Example:", "", f"    {example(m['name'])}"]
         out += ["", f"> Why? {m['why']}"] if "why" in m else []
         out.append("")
     for name, fields in messages["structs"].items():
         out += [f"### Part: `{name}`", "", *field_table(fields), ""]
     return "\n".join(out)
+
+
+def example(name: str) -> str:
+    """The fullest golden message of that type, as in protocol/vectors/messages.json."""
+    cases = json.loads((ROOT / "protocol" / "vectors" / "messages.json").read_text(encoding="utf-8"))
+    messages = [c["message"] for c in cases if c["message"]["type"] == name]
+    return max((json.dumps(m, ensure_ascii=False) for m in messages), key=len)
 
 
 def field_table(fields: list[Field]) -> list[str]:

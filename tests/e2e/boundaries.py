@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 VOICELESS_STOPS = frozenset("ptk")
-VOWELS = frozenset("A { V O aU @ AI E r= EI I i @U OI U u a e o".split())
+VOWELS = frozenset(
+    ["A", "{", "V", "O", "aU", "@", "AI", "E", "r=", "EI", "I", "i", "@U", "OI", "U", "u", "a", "e", "o"]
+)
 RANGE_DB = 60.0
 
 Phone = tuple[str, int, int]

@@ -16,6 +16,9 @@ class Link:
         self._bytes_left: int | None = None
         self._stall_s = 0.0
         self.stalls = 0
+        self.joined = 0
+        """Connections open now."""
+        self._writers: set[asyncio.StreamWriter] = set()
 
     async def __aenter__(self) -> Link:
         self._server = await asyncio.start_server(self._join, "127.0.0.1", 0)
@@ -29,7 +32,12 @@ class Link:
     def address(self) -> str:
         """Where to connect to."""
         assert self._server is not None
-        return "127.0.0.1:%d" % self._server.sockets[0].getsockname()[1]
+        return f"127.0.0.1:{self._server.sockets[0].getsockname()[1]}"
+
+    def cut(self) -> None:
+        """Break every connection off."""
+        for writer in self._writers:
+            writer.transport.abort()
 
     def stall(self, after_bytes: int, seconds: float) -> None:
         """From now on count what the server sends; hold everything behind `after_bytes` for `seconds`."""
@@ -37,8 +45,12 @@ class Link:
 
     async def _join(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         there, back = await asyncio.open_connection(*self._target)
+        self.joined += 1
+        self._writers |= {writer, back}
         with suppress(ConnectionError, asyncio.CancelledError):
             await asyncio.gather(self._copy(reader, back), self._copy(there, writer, from_server=True))
+        self._writers -= {writer, back}
+        self.joined -= 1
 
     async def _copy(
         self, source: asyncio.StreamReader, sink: asyncio.StreamWriter, from_server: bool = False

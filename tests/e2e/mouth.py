@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,8 @@ async ([selector, box]) => {
   const look = () => {
     const canvas = head.shadowRoot.querySelector("canvas");
     const [x, y, w, h] = box;
-    paint.drawImage(canvas, x * canvas.width, y * canvas.height, w * canvas.width, h * canvas.height, 0, 0, 64, 48);
+    const [W, H] = [canvas.width, canvas.height];
+    paint.drawImage(canvas, x * W, y * H, w * W, h * H, 0, 0, 64, 48);
     const { data } = paint.getImageData(0, 0, 64, 48);
     let dark = 0;
     for (let i = 0; i < data.length; i += 4) dark += data[i] + data[i + 1] + data[i + 2] < 200 ? 1 : 0;
@@ -51,17 +53,12 @@ async def seen(page: Page) -> Sight:
     return Sight(rows[:, 0] / 1000, rows[:, 1])
 
 
-def closures(times: NDArray[np.float64], opening: NDArray[np.float64]) -> list[float]:
-    """The middles of the times in which the mouth, or the sound, is shut for 30 to 250 ms.
-
-    Shut: below a third of the way from its least to its usual most. Crossings are interpolated.
-    """
-    low, high = np.percentile(opening, 2), np.percentile(opening, 90)
-    limit = low + (high - low) / 3
+def closures(times: NDArray[np.float64], opening: NDArray[np.float64], limit: float) -> list[float]:
+    """The middles of the times in which `opening` is below `limit` for 30 to 250 ms, interpolated."""
     shut = opening < limit
     out = []
     edges = np.flatnonzero(shut[1:] != shut[:-1])
-    for first, last in zip(edges, edges[1:], strict=False):
+    for first, last in pairwise(edges):
         if shut[first]:
             continue
         start, end = (_crossing(times, opening, i, limit) for i in (first, last))
@@ -75,14 +72,25 @@ def _crossing(times: NDArray[np.float64], values: NDArray[np.float64], i: int, l
     return float(times[i] + share * (times[i + 1] - times[i]))
 
 
+def seen_closures(sight: Sight) -> list[float]:
+    """Wall clock of the middles of short closures of the lips."""
+    low, high = np.percentile(sight.opening, [5, 95])
+    return closures(sight.times, sight.opening, low + (high - low) / 3)
+
+
 def heard_closures(recording: Recording) -> list[float]:
-    """The same for sound: its level in windows of 5 ms, in dB above the floor."""
+    """The same for the voice: 15 dB below its usual loudness, in windows of 5 ms.
+
+    Gaps in which the sound card got nothing at all are its own, not the voice's, and are left out.
+    """
     step = RATE // 200
-    n = len(recording.pcm) // step
-    power = (recording.pcm[: n * step].astype(float).reshape(n, step) ** 2).mean(axis=1)
-    level = np.maximum(10 * np.log10(power + 1), 20.0)
-    times = np.array([recording.at((i + 0.5) * step) for i in range(n)])
-    return closures(times, np.convolve(level, np.ones(3) / 3, "same"))
+    windows = recording.pcm[: len(recording.pcm) // step * step].reshape(-1, step)
+    level = 10 * np.log10((windows.astype(float) ** 2).mean(axis=1) + 1)
+    times = recording.start + (np.arange(len(windows)) + 0.5) * step / RATE
+    found = closures(times, np.convolve(level, np.ones(3) / 3, "same"), np.percentile(level, 95) - 15)
+    nothing = (windows == 0).all(axis=1)
+    centre = [int((t - recording.start) * RATE / step) for t in found]
+    return [t for t, i in zip(found, centre, strict=True) if not nothing[max(0, i - 5) : i + 6].any()]
 
 
 def offsets_ms(lips: Sequence[float], voice: Sequence[float]) -> NDArray[np.float64]:

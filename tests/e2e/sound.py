@@ -71,6 +71,11 @@ class Recorder:
         self._thread = threading.Thread(target=self._drain, daemon=True)
         self._thread.start()
 
+    def heard_so_far(self) -> NDArray[np.int16]:
+        """The sound until now."""
+        data = b"".join(chunk for _, chunk in list(self._chunks))
+        return np.frombuffer(data[: len(data) // 2 * 2], "<i2")
+
     def stop(self) -> Recording:
         """End and return everything."""
         self._process.terminate()

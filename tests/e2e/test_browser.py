@@ -8,21 +8,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.async_api import Browser, Page
+from playwright.async_api import Browser
 
 from tests.e2e.link import Link
-from tests.e2e.mouth import heard_closures, offsets_ms, seen, watch
+from tests.e2e.mouth import heard_closures, offsets_ms, seen, seen_closures, watch
+from tests.e2e.pages import embed
 from tests.e2e.sound import Recorder
 
-PAGE = """<!doctype html><meta charset="utf-8"><title>elsewhere</title>
-<body style="margin:0"><script type="module" src="http://{server}/fap-head.js"></script>
-<fap-head id="head" capture src="ws://{socket}/ws" style="display:block;width:320px;height:320px"></fap-head>
-"""
 MOUTH = (0.36, 0.56, 0.26, 0.16)
 TEXTS = {
-    "en": "Pop up a papa, pop up a papa. Up a pop, papa, up a pop. Papa up, papa up, a pop, a papa.",
+    "en": "Papa pop, papa pop papa. Papa papa pop, papa pop. Papa papa, papa pop papa.",
     "el": "Παπάπα, πάπα παπά. Πάπα παπά πάπα. Παπά πάπα, παπάπα πάπα παπά.",
 }
+FRAME_MS = 40
 SAY = """
 async ([text, lang]) => {
   const head = document.querySelector("#head");
@@ -35,17 +33,13 @@ async ([text, lang]) => {
 """
 
 
-async def embed(page: Page, elsewhere: tuple[Path, str], server: str, socket: str) -> list[str]:
-    """Open a page of another origin with the head in it; returns the list that collects its complaints."""
-    folder, origin = elsewhere
-    (folder / "page.html").write_text(PAGE.format(server=server, socket=socket), encoding="utf-8")
-    complaints: list[str] = []
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
-    await page.goto(f"{origin}/page.html")
-    await page.wait_for_function("document.querySelector('#head').server !== null")
-    await asyncio.sleep(1.0)
-    return complaints
+COLLECT = """
+() => {
+  const head = document.querySelector("#head");
+  window.told = { word: [], done: [] };
+  for (const name in window.told) head.addEventListener(name, (e) => window.told[name].push(e.detail));
+}
+"""
 
 
 @pytest.mark.parametrize("lang", ["en", "el"])
@@ -61,35 +55,54 @@ async def test_lips_are_on_the_voice(
         await asyncio.sleep(0.5)
         await watch(page, "#head", MOUTH)
         if late_ms:
-            link.stall(after_bytes=24_000, seconds=late_ms / 1000)
+            link.stall(after_bytes=5_000, seconds=late_ms / 1000)
         said: dict[str, Any] = await page.evaluate(SAY, [TEXTS[lang], lang])
         await asyncio.sleep(0.5)
         sight, recording = await seen(page), recorder.stop()
-        assert link.stalls == bool(late_ms)
-    voice, lips = (
-        heard_closures(recording),
-        __import__("tests.e2e.mouth", fromlist=["closures"]).closures(sight.times, sight.opening),
-    )
-    offsets = offsets_ms(lips, voice)
-    np.savez(
-        f"/tmp/sync_{lang}_{late_ms}.npz",
-        t=sight.times,
-        o=sight.opening,
-        pcm=recording.pcm,
-        start=recording.start,
-    )
+    offsets = offsets_ms(seen_closures(sight), heard_closures(recording))
+    skews = np.array([s["skewMs"] for s in said["stats"] if s["skewMs"] is not None])
     print(
-        lang,
-        late_ms,
-        "frames/s",
-        len(sight.times) / np.ptp(sight.times),
-        "closures",
-        len(voice),
-        len(lips),
-        "median",
-        np.median(offsets),
-        "p95",
-        np.percentile(np.abs(offsets), 95),
-        np.round(offsets),
+        f"{lang}, {late_ms} ms late: {len(offsets)} closures, face minus voice {np.median(offsets):+.0f} ms, "
+        f"p95 |{np.percentile(np.abs(offsets), 95):.0f}| ms; read-out {np.median(skews):+.0f} ms; "
+        f"{len(sight.times) / np.ptp(sight.times):.0f} frames/s"
     )
-    print(said["stats"][-3:], said["end"], complaints)
+    assert not complaints
+    assert said["end"]["reason"] == "end"
+    assert link.stalls == bool(late_ms)
+    assert (said["stats"][-1]["underruns"] > 0) == bool(late_ms)
+    assert len(offsets) >= 8
+    assert np.percentile(np.abs(offsets), 95) <= FRAME_MS
+    assert abs(np.median(offsets) - np.median(skews)) <= FRAME_MS / 2
+
+
+@pytest.mark.parametrize(
+    ("lang", "text"), [("en", "Hello! It is 21:45."), ("el", "Καλημέρα! Η ώρα είναι 21:45.")]
+)
+async def test_a_person_types_and_hears_and_sees(
+    browser: Browser, card: dict[str, str], address: str, tmp_path: Path, lang: str, text: str
+) -> None:
+    """The demo page: language, text, Speak; sound comes, the mouth moves, the read-out fills."""
+    page = await browser.new_page(viewport={"width": 1280, "height": 800})
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    await page.goto(f"http://{address}/")
+    await page.wait_for_function("document.querySelector('#head').server !== null")
+    await asyncio.sleep(1.0)
+    await page.click(f"#lang-{lang}")
+    await page.fill("#text", "")
+    await page.type("#text", text, delay=10)
+    await page.evaluate(COLLECT)
+    await watch(page, "#head", MOUTH)
+    recorder = Recorder(card)
+    await asyncio.sleep(0.3)
+    await page.click("#speak")
+    await page.wait_for_function("window.told.done.length > 0", timeout=20_000)
+    await asyncio.sleep(0.5)
+    told, recording = await page.evaluate("window.told"), recorder.stop()
+    assert not complaints
+    assert told["word"][0]["text"] in ("Hello", "Καλημέρα")
+    sight = await seen(page)
+    assert np.ptp(sight.opening) > 60, "the mouth did not move"
+    loud = np.abs(recording.pcm.astype(int)) > 300
+    assert loud.mean() > 0.1
+    assert "–" not in await page.inner_text("#readout dd[data-of=latency]")

@@ -1,0 +1,178 @@
+"""`<fap-head>` in a page: what a page does to it, and what the world does to the page."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from pathlib import Path
+
+import numpy as np
+from playwright.async_api import Browser, Page, async_playwright
+
+from tests.e2e.conftest import CHROMIUM
+from tests.e2e.link import Link
+from tests.e2e.pages import embed, visit
+from tests.e2e.sound import Recorder
+
+SAY = "(text) => document.querySelector('#head').speak(text, { lang: 'en' }).finished"
+SPEAK_UNASKED = """
+addEventListener("load", () => {
+  const head = document.querySelector("#head");
+  window.end = null;
+  head.addEventListener("ready", () => head.speak("Hello.").finished.then((e) => (window.end = e)));
+});
+"""
+"""The page itself must speak: what a test evaluates counts as the user's doing."""
+
+CONNECTED = "document.querySelector('#head').server !== null"
+
+
+async def open_page(browser: Browser) -> Page:
+    return await browser.new_page(viewport={"width": 320, "height": 320})
+
+
+async def test_a_click_unlocks_the_sound(
+    card: dict[str, str], elsewhere: tuple[Path, str], address: str
+) -> None:
+    """Where autoplay is blocked the element asks for a click, and then says all of it."""
+    async with async_playwright() as playwright:
+        browser = await playwright.chromium.launch(
+            executable_path="/usr/bin/chromium", args=CHROMIUM, env={**os.environ, **card},
+            ignore_default_args=["--mute-audio"],
+        )  # fmt: skip
+        page = await open_page(browser)
+        await page.add_init_script(SPEAK_UNASKED)
+        recorder = Recorder(card)
+        await visit(page, elsewhere, address, address)
+        button = page.locator("#head .unlock")
+        await button.wait_for(state="visible")
+        assert not (np.abs(recorder.heard_so_far().astype(int)) > 300).any()
+        await button.click()
+        await page.wait_for_function("window.end !== null")
+        await asyncio.sleep(0.3)
+        assert (np.abs(recorder.stop().pcm.astype(int)) > 300).any()
+        assert not await button.is_visible()
+        await browser.close()
+
+
+async def test_removed_and_put_back(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
+    """Twenty times; no connection is left behind, and it still speaks."""
+    page = await open_page(browser)
+    async with Link(address) as link:
+        await embed(page, elsewhere, address, link.address)
+        for _ in range(20):
+            await page.evaluate(
+                "() => { window.kept = document.querySelector('#head'); window.kept.remove(); }"
+            )
+            await page.evaluate("() => document.body.append(window.kept)")
+        await page.wait_for_function(CONNECTED)
+        await asyncio.sleep(1.0)
+        assert link.joined == 1
+        assert (await page.evaluate(SAY, "Here again."))["reason"] == "end"
+        assert (
+            await page.evaluate(
+                "document.querySelector('#head').shadowRoot.querySelectorAll('canvas').length"
+            )
+            == 1
+        )
+        await page.evaluate("document.querySelector('#head').remove()")
+        await asyncio.sleep(0.5)
+        assert link.joined == 0
+
+
+async def test_several_heads_on_one_page(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
+    """Each speaks its own text with its own voice; the sound processor and the head file are shared."""
+    page = await open_page(browser)
+    await embed(page, elsewhere, address, address)
+    fetched: list[str] = []
+    page.on("request", lambda request: fetched.append(request.url))
+    ends = await page.evaluate(
+        """async () => {
+          const twin = document.querySelector("#head").cloneNode();
+          twin.id = "twin";
+          document.body.append(twin);
+          if (!twin.server) await new Promise((go) => twin.addEventListener("ready", go, { once: true }));
+          const say = (id, text, lang) => document.querySelector(id).speak(text, { lang }).finished;
+          return Promise.all([say("#head", "One head.", "en"), say("#twin", "Δύο κεφάλια.", "el")]);
+        }"""
+    )
+    assert [e["reason"] for e in ends] == ["end", "end"]
+    assert not [url for url in fetched if url.endswith((".glb", "worklet.js"))]
+
+
+async def test_it_connects_again(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
+    """A cut connection fails the turn and tells the page; soon there is a new one that speaks."""
+    page = await open_page(browser)
+    async with Link(address) as link:
+        await embed(page, elsewhere, address, link.address)
+        await page.evaluate(
+            """() => {
+              const head = document.querySelector("#head");
+              window.lost = 0;
+              head.addEventListener("disconnected", () => window.lost++);
+              window.outcome = head.speak("A long sentence that nobody will hear to its end.")
+                .finished.then(() => "finished", (e) => e.code ?? String(e));
+            }"""
+        )
+        await asyncio.sleep(1.0)
+        link.cut()
+        assert await page.evaluate("window.outcome") != "finished"
+        await page.wait_for_function("window.lost > 0")
+        await page.wait_for_function(CONNECTED, timeout=15_000)
+        assert (await page.evaluate(SAY, "Here again."))["reason"] == "end"
+
+
+async def test_interrupt_tells_what_was_heard(
+    browser: Browser, elsewhere: tuple[Path, str], address: str, card: dict[str, str]
+) -> None:
+    """Silence soon after; the count of characters ends a word that was heard."""
+    page = await open_page(browser)
+    await embed(page, elsewhere, address, address)
+    text = "This sentence is rather long, so that it can be interrupted in its middle without any trouble."
+    recorder = Recorder(card)
+    end = await page.evaluate(
+        """async (text) => {
+          const head = document.querySelector("#head");
+          const turn = head.speak(text, { lang: "en" });
+          turn.finished.catch(() => 0);
+          await new Promise((go) => setTimeout(go, 1500));
+          return head.interrupt();
+        }""",
+        text,
+    )
+    await asyncio.sleep(0.6)
+    pcm = recorder.stop().pcm
+    assert end["reason"] == "interrupted"
+    assert 5 < end["char"] < len(text)
+    assert not text[end["char"]].isalpha()
+    tail = np.abs(pcm[-len(pcm) // 10 :].astype(int))
+    assert tail.max() < 300
+
+
+async def test_reduced_motion_keeps_still(
+    browser: Browser, elsewhere: tuple[Path, str], address: str
+) -> None:
+    """Idle, the face lives; where the user wants less motion, no pixel changes."""
+    changed = {}
+    for wish in ("no-preference", "reduce"):
+        page = await open_page(browser)
+        await page.emulate_media(reduced_motion=wish)  # type: ignore[arg-type]
+        await embed(page, elsewhere, address, address)
+        await asyncio.sleep(1.5)
+        shots = []
+        for _ in range(4):
+            shots.append(await page.screenshot())
+            await asyncio.sleep(0.7)
+        changed[wish] = len(set(shots)) > 1
+        await page.close()
+    assert changed == {"no-preference": True, "reduce": False}
+
+
+async def test_an_insecure_page_is_told(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
+    """Without a secure context there is no AudioWorklet: the element says so."""
+    page = await open_page(browser)
+    await page.add_init_script("Object.defineProperty(window, 'isSecureContext', { value: false })")
+    await embed(page, elsewhere, address, address)
+    message = page.locator("#head .message")
+    await message.wait_for(state="visible")
+    assert "secure context" in await message.inner_text()
