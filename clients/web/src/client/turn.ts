@@ -1,0 +1,126 @@
+/** One thing said, as the page holds it: text goes in, promises say how far it got. */
+
+import type { Begin, Done } from "../protocol/generated";
+
+export interface SpeakOptions {
+  lang?: string | undefined;
+  voice?: string | undefined;
+  /** 1 is the voice's own speed, 2 twice as fast. */
+  rate?: number | undefined;
+  /** Keep the turn open for `append`; `end` closes it. */
+  open?: boolean | undefined;
+}
+
+/** How a turn ended. `heard` (samples) and `char` (code points of the text) tell how far an interrupted one got. */
+export interface TurnEnd {
+  turn: number;
+  reason: Done["reason"];
+  samples: number;
+  heard?: number;
+  char?: number;
+}
+
+/** What a server or a turn could not do; `code` is one of protocol/schema/errors.json, or of this client. */
+export class HeadFault extends Error {
+  constructor(readonly code: string, message: string, readonly fatal = false, readonly turn?: number) {
+    super(message);
+    this.name = "HeadFault";
+  }
+}
+
+/** What a turn asks of the conversation it belongs to. */
+export interface TurnDesk {
+  append(turn: Turn, bytes: Uint8Array): void;
+  end(turn: Turn): void;
+  interrupt(turn: Turn): Promise<TurnEnd>;
+}
+
+/** Awaiting a turn waits until it has been heard to its end. */
+export class Turn implements PromiseLike<TurnEnd> {
+  /** Fulfilled when its first sample is heard. */
+  readonly started: Promise<Begin>;
+  /** Fulfilled when it has been heard to its end or was interrupted; rejected with a HeadFault if it failed. */
+  readonly finished: Promise<TurnEnd>;
+  open = true;
+  /** When its first text was handed in, ms. */
+  askedAt: number | undefined;
+  private readonly writer = new Utf8Writer();
+  private readonly begun = deferred<Begin>();
+  private readonly ended = deferred<TurnEnd>();
+
+  constructor(readonly id: number, readonly options: SpeakOptions, private readonly desk: TurnDesk) {
+    this.started = this.begun.promise;
+    this.finished = this.ended.promise;
+    this.started.catch(() => undefined);
+    this.finished.catch(() => undefined);
+  }
+
+  /** More of the text; it may be cut anywhere. Throws a HeadFault once the text has ended. */
+  append(text: string): this {
+    if (!this.open) throw new HeadFault("turn_ended", `the text of turn ${this.id} has ended`, false, this.id);
+    this.desk.append(this, this.writer.write(text));
+    return this;
+  }
+
+  /** The text is complete. */
+  end(): this {
+    if (!this.open) return this;
+    const rest = this.writer.flush();
+    if (rest.length) this.desk.append(this, rest);
+    this.open = false;
+    this.desk.end(this);
+    return this;
+  }
+
+  /** Stop saying it. */
+  interrupt(): Promise<TurnEnd> {
+    return this.desk.interrupt(this);
+  }
+
+  then<A = TurnEnd, B = never>(
+    done?: ((end: TurnEnd) => A | PromiseLike<A>) | null, failed?: ((reason: unknown) => B | PromiseLike<B>) | null,
+  ): Promise<A | B> {
+    return this.finished.then(done, failed);
+  }
+
+  /** For the conversation: it is heard from now on. */
+  settleStart(begin: Begin): void {
+    this.begun.resolve(begin);
+  }
+
+  /** For the conversation: it is over. */
+  settle(end: TurnEnd | HeadFault): void {
+    this.open = false;
+    if (end instanceof HeadFault) {
+      this.begun.reject(end);
+      this.ended.reject(end);
+    } else {
+      this.begun.reject(new HeadFault("turn_ended", `turn ${this.id} ended before it was heard`, false, this.id));
+      this.ended.resolve(end);
+    }
+  }
+}
+
+function deferred<T>() {
+  let resolve!: (value: T) => void;
+  let reject!: (reason: unknown) => void;
+  const promise = new Promise<T>((yes, no) => ([resolve, reject] = [yes, no]));
+  return { promise, resolve, reject };
+}
+
+/** Text to UTF-8, keeping back half a surrogate pair until its other half comes. */
+class Utf8Writer {
+  private half = "";
+  private readonly encoder = new TextEncoder();
+
+  write(text: string): Uint8Array {
+    const all = this.half + text;
+    const cut = /[\uD800-\uDBFF]$/.test(all) ? all.length - 1 : all.length;
+    this.half = all.slice(cut);
+    return this.encoder.encode(all.slice(0, cut));
+  }
+
+  flush(): Uint8Array {
+    return this.encoder.encode(this.half);
+  }
+}

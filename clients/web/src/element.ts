@@ -1,0 +1,231 @@
+/** `<fap-head>`: the one file that touches the page. */
+
+import type { Turn, SpeakOptions, TurnEnd } from "./client/turn";
+import { HeadFault } from "./client/turn";
+import { furnish } from "./look";
+import { Presenter } from "./presenter";
+import type { Ready } from "./protocol/generated";
+import { Captions, type CaptionMark } from "./stream/captions";
+
+const BEAT_MS = 1000;
+const MOST_PIXELS = 2;
+/** Browsers resume sound a moment after a gesture; only then is asking for one fair. */
+const LOCKED_MS = 200;
+/** Where this script came from: server, sound processor and heads are looked for beside it. */
+const HOME = import.meta.url;
+
+let heads = 0;
+
+export class FapHead extends HTMLElement {
+  static readonly observedAttributes = ["src", "head", "fps", "capture", "antialias", "captions", "controls"];
+
+  private readonly root = this.attachShadow({ mode: "open" });
+  private readonly seed = ++heads;
+  private readonly captions = new Captions();
+  private readonly calm = matchMedia("(prefers-reduced-motion: reduce)");
+  private readonly sizes = new ResizeObserver(() => this.resize());
+  private presenter: Presenter | null = null;
+  private canvas: HTMLCanvasElement | null = null;
+  private talking: Turn | null = null;
+  private frameRequest = 0;
+  private timer: ReturnType<typeof setInterval> | undefined;
+  private lockedSince = 0;
+  /** What is wrong, by topic; the oldest is shown. */
+  private readonly messages = new Map<string, string>();
+
+  constructor() {
+    super();
+    furnish(this.root);
+    this.find<HTMLButtonElement>(".unlock").onclick = () => this.unlock();
+    this.find<HTMLButtonElement>(".stop").onclick = () => void this.interrupt();
+    this.find<HTMLFormElement>("form").onsubmit = (event) => this.submit(event);
+  }
+
+  // --- life in the page
+
+  connectedCallback(): void {
+    this.begin();
+    document.addEventListener("visibilitychange", this.schedule);
+    for (const gesture of GESTURES) document.addEventListener(gesture, this.unlock, { capture: true, passive: true });
+    this.sizes.observe(this);
+    this.timer = setInterval(() => this.presenter?.beat(), BEAT_MS);
+  }
+
+  disconnectedCallback(): void {
+    this.finish();
+    document.removeEventListener("visibilitychange", this.schedule);
+    for (const gesture of GESTURES) document.removeEventListener(gesture, this.unlock, { capture: true });
+    this.sizes.disconnect();
+    clearInterval(this.timer);
+  }
+
+  attributeChangedCallback(name: string, before: string | null, after: string | null): void {
+    if (before === after) return;
+    if (name === "captions" || name === "controls") return this.refresh();
+    if (!this.presenter) return;
+    if (name === "head") return this.presenter.wear(this.addresses().headUrl);
+    this.finish();
+    this.begin();
+  }
+
+  private begin(): void {
+    this.canvas = document.createElement("canvas");
+    this.canvas.setAttribute("part", "canvas");
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", this.getAttribute("aria-label") ?? "Talking head");
+    this.root.prepend(this.canvas);
+    const options = {
+      ...this.addresses(),
+      fps: this.getAttribute("fps") === "50" ? 50 as const : 25 as const,
+      seed: this.seed,
+      capture: this.hasAttribute("capture"),
+      antialias: ANTIALIAS[this.getAttribute("antialias") ?? ""] ?? null,
+    };
+    this.presenter = new Presenter(options, (name, detail) => this.tell(name, detail), () => this.refresh());
+    void this.presenter.start(this.canvas);
+    this.resize();
+    this.refresh();
+    this.schedule();
+  }
+
+  private finish(): void {
+    cancelAnimationFrame(this.frameRequest);
+    this.frameRequest = 0;
+    const { presenter, canvas } = this;
+    this.presenter = this.canvas = this.talking = null;
+    presenter?.close();
+    canvas?.remove();
+    this.messages.clear();
+  }
+
+  private addresses(): { socketUrl: string; headUrl: string; workletUrl: string } {
+    const socket = new URL(this.getAttribute("src") ?? new URL("/ws", HOME), document.baseURI);
+    socket.protocol = socket.protocol.replace("http", "ws");
+    const head = this.getAttribute("head") ?? "generic";
+    const headUrl = /^[\w-]+$/.test(head) ? new URL(`/heads/${head}.glb`, HOME) : new URL(head, document.baseURI);
+    return { socketUrl: socket.href, headUrl: headUrl.href, workletUrl: new URL("fap-worklet.js", HOME).href };
+  }
+
+  // --- drawing
+
+  /** Draw as long as somebody can see it. */
+  private readonly schedule = (): void => {
+    if (this.frameRequest || document.hidden || !this.presenter) return;
+    this.frameRequest = requestAnimationFrame(() => {
+      this.frameRequest = 0;
+      this.presenter?.frame(this.calm.matches);
+      if (this.lockedSince) this.refresh();
+      this.schedule();
+    });
+  };
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this;
+    this.presenter?.resize(clientWidth, clientHeight, Math.min(MOST_PIXELS, devicePixelRatio || 1));
+  }
+
+  // --- what the page says
+
+  /** What the server offers; null while there is no connection. */
+  get server(): Ready | null {
+    return this.presenter?.conversation.ready ?? null;
+  }
+
+  /** Say `text`. With `open`, more may follow by `append` until `end`. */
+  speak(text: string, options: SpeakOptions = {}): Turn {
+    if (!this.presenter) throw new HeadFault("not_connected", "the element is not in a document");
+    if (this.presenter.mute) throw this.presenter.mute;
+    this.unlock();
+    if (this.talking?.open) this.talking.end();
+    const rate = Number(this.getAttribute("rate")) || undefined;
+    const [lang, voice] = [this.getAttribute("lang") ?? undefined, this.getAttribute("voice") ?? undefined];
+    const turn = this.presenter.conversation.speak(String(text), { lang, voice, rate, ...options });
+    this.talking = turn;
+    this.refresh();
+    return turn;
+  }
+
+  /** More text for the open turn; opens one if there is none. (The element takes no children: this is no longer Element.append.) */
+  override append(...pieces: (string | Node)[]): Turn {
+    const text = pieces.map((piece) => (piece instanceof Node ? piece.textContent : String(piece))).join("");
+    return this.talking?.open ? this.talking.append(text) : this.speak(text, { open: true });
+  }
+
+  /** The open turn's text is complete. */
+  end(): void {
+    if (this.talking?.open) this.talking.end();
+  }
+
+  /** Fall silent at once; tells how far the turn being heard had come. Null if nothing was being said. */
+  async interrupt(): Promise<TurnEnd | null> {
+    return (await this.presenter?.conversation.interruptAll()) ?? null;
+  }
+
+  // --- what the page is told
+
+  private tell(name: string, detail: object): void {
+    if (name === "caption") this.captions.caption(detail as CaptionMark);
+    if (name === "word") this.captions.word(detail as CaptionMark);
+    if (name === "done" || name === "disconnected") this.captions.clear();
+    if (name === "head") this.canvas?.classList.add("ready");
+    if (name === "error") this.complain(detail as HeadFault);
+    for (const topic of ANSWERS[name] ?? []) this.messages.delete(topic);
+    if (name === "disconnected") this.messages.set("connection", "Connection lost. Trying again ...");
+    const { code, message, fatal, turn } = detail as HeadFault;
+    const plain = detail instanceof HeadFault ? { code, message, fatal, ...(turn !== undefined && { turn }) } : detail;
+    this.refresh();
+    this.dispatchEvent(new CustomEvent(name, { detail: plain }));
+  }
+
+  private complain({ code, message, fatal, turn }: HeadFault): void {
+    if (code === "connection_lost") return;
+    if (turn !== undefined) this.messages.set("turn", message);
+    else if (fatal) this.messages.set(code.endsWith("_unavailable") ? code : "connection", message);
+  }
+
+  // --- what is seen beside the head
+
+  private refresh(): void {
+    const { said, word, ahead } = this.captions.view;
+    const captions = this.find(".captions");
+    captions.classList.toggle("on", this.hasAttribute("captions") && Boolean(said || word));
+    this.write(".said", said);
+    this.write("mark", word);
+    this.find(".ahead").dataset.text = ahead;
+    this.find(".controls").hidden = !this.hasAttribute("controls");
+    const [message] = this.messages.values();
+    this.write(".message", message ?? "");
+    this.find(".message").hidden = !message;
+    this.askToUnlock();
+  }
+
+  private askToUnlock(): void {
+    const locked = this.presenter?.locked ?? false;
+    this.lockedSince = locked ? this.lockedSince || performance.now() : 0;
+    this.find(".unlock").hidden = !locked || performance.now() - this.lockedSince < LOCKED_MS;
+  }
+
+  private readonly unlock = (): void => this.presenter?.unlock();
+
+  private submit(event: SubmitEvent): void {
+    event.preventDefault();
+    const input = this.find<HTMLInputElement>("input");
+    if (input.value.trim()) this.speak(input.value);
+    input.value = "";
+  }
+
+  /** Only what is new is read out by screen readers. */
+  private write(selector: string, text: string): void {
+    const place = this.find(selector);
+    if (place.textContent !== text) place.textContent = text;
+  }
+
+  private find<T extends HTMLElement = HTMLElement>(selector: string): T {
+    return this.root.querySelector<T>(selector)!;
+  }
+}
+
+/** Which topics an event settles. */
+const ANSWERS: Record<string, string[]> = { ready: ["connection"], head: ["head_unavailable"], begin: ["turn"] };
+const ANTIALIAS: Record<string, boolean> = { on: true, off: false };
+const GESTURES = ["pointerdown", "keydown", "touchend"] as const;

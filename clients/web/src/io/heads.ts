@@ -1,0 +1,27 @@
+/** Head files over HTTP, each fetched and read once a page. */
+
+import { readHead } from "../head/glb";
+import { HeadError, type Head } from "../head/model";
+
+const heads = new Map<string, Promise<Head>>();
+
+/** The head at `url`. Rejects with HeadError; the next call tries again then. */
+export function loadHead(url: string): Promise<Head> {
+  const known = heads.get(url);
+  if (known) return known;
+  const head = fetchHead(url);
+  heads.set(url, head);
+  head.catch(() => heads.delete(url));
+  return head;
+}
+
+async function fetchHead(url: string): Promise<Head> {
+  let response: Response;
+  try {
+    response = await fetch(url);
+  } catch {
+    throw new HeadError(`${url} cannot be reached`);
+  }
+  if (!response.ok) throw new HeadError(`${url}: HTTP ${response.status}`);
+  return readHead(new Uint8Array(await response.arrayBuffer()));
+}

@@ -1,0 +1,282 @@
+import { beforeEach, describe, expect, it } from "vitest";
+import { Conversation } from "../../src/client/conversation";
+import { HeadFault } from "../../src/client/turn";
+import { decode, encode } from "../../src/protocol/codec";
+import type { ClientMessage, Mark, ServerMessage } from "../../src/protocol/generated";
+import type { Heard } from "../../src/stream/heard";
+import type { Command } from "../../src/stream/player";
+
+const READY: ServerMessage = { type: "ready", server: "s", session: "1", fps: 25, faps: Uint8Array.of(3), voices: [], heads: [] };
+const RATE = 16000;
+
+let now: number;
+let sent: ClientMessage[];
+let commands: Command[];
+let events: [name: string, detail: Record<string, unknown>][];
+let drops: number;
+let talk: Conversation;
+
+beforeEach(() => {
+  [now, drops, sent, commands, events] = [0, 0, [], [], []];
+  talk = new Conversation({
+    send: (data) => sent.push(decode(data, "client") as ClientMessage),
+    drop: () => (drops++, talk.disconnected()),
+    sound: (command) => commands.push(command),
+    emit: (name, detail) => events.push([name, detail as Record<string, unknown>]),
+    now: () => now,
+  });
+});
+
+const say = (message: ServerMessage) => talk.received(encode(message));
+const named = (name: string) => events.filter(([other]) => other === name).map(([, detail]) => detail);
+const of = <T extends ClientMessage["type"]>(type: T) => sent.filter((m) => m.type === type) as Extract<ClientMessage, { type: T }>[];
+const text = () => new TextDecoder().decode(Uint8Array.from(of("speak").flatMap((m) => [...m.text])));
+const heard = (turn: number, sample: number, state: Heard["state"] = "playing"): Heard => ({ turn, sample, state });
+const word = (sample: number, char_end: number): Mark => ({ kind: "word", sample, duration: 10, text: "w", char_start: 0, char_end });
+
+function connect(): void {
+  talk.connected({});
+  say(READY);
+}
+
+function begin(turn: number, packets = 0, marks: Mark[] = []): void {
+  say({ type: "begin", turn, voice: "v", lang: "en", sample_rate: RATE, fps: 25 });
+  for (let k = 0; k < packets; k++) {
+    const pcm = new Int16Array(640).fill(1000);
+    say({ type: "packet", turn, sample: 640 * k, pcm, faps: Int32Array.of(k), ...(k === 0 && marks.length && { marks }) });
+  }
+}
+
+describe("a turn", () => {
+  it("goes through: text out, sound in, events when heard, done when heard to the end", async () => {
+    connect();
+    const turn = talk.speak("Καλημέρα", { lang: "el", rate: 1.5 });
+    expect(of("speak")).toMatchObject([{ turn: 1, lang: "el", rate: 150 }]);
+    expect(text()).toBe("Καλημέρα");
+    expect(of("end")).toHaveLength(1);
+    begin(1, 10, [word(0, 3), word(5000, 8)]);
+    expect(commands.map(({ kind }) => kind)).toEqual(["begin", ...Array<string>(10).fill("pcm")]);
+    expect(named("word")).toEqual([]);
+    talk.advance(heard(1, 100));
+    expect(await turn.started).toMatchObject({ voice: "v" });
+    expect(named("word")).toMatchObject([{ turn: 1, char_end: 3 }]);
+    say({ type: "done", turn: 1, reason: "end", samples: 6400 });
+    expect(commands.at(-1)).toEqual({ kind: "end", turn: 1 });
+    talk.advance(heard(1, 6399));
+    expect(named("done")).toEqual([]);
+    talk.advance(heard(1, 6400, "over"));
+    expect(await turn).toEqual({ turn: 1, reason: "end", samples: 6400 });
+    expect(named("word")).toHaveLength(2);
+    expect(talk.busy).toBe(false);
+  });
+
+  it("waits for the connection", () => {
+    talk.speak("a", {});
+    expect(sent).toEqual([]);
+    connect();
+    expect(sent.map(({ type }) => type)).toEqual(["hello", "speak", "end"]);
+  });
+
+  it("takes text in pieces, also half a character at a time, and long text in fragments", () => {
+    connect();
+    const turn = talk.speak("a\ud83d", { open: true });
+    turn.append("\ude42b").append("é".repeat(50000)).end();
+    expect(text()).toBe(`a🙂b${"é".repeat(50000)}`);
+    expect(Math.max(...of("speak").map((m) => m.text.length))).toBeLessThanOrEqual(65536);
+    expect(sent.at(-1)).toEqual({ type: "end", turn: 1 });
+    expect(() => turn.append("more")).toThrow(expect.objectContaining({ code: "turn_ended" }));
+  });
+
+  it("survives a lone surrogate", () => {
+    connect();
+    talk.speak("x\ud83d", {});
+    expect(text()).toBe("x\ufffd");
+  });
+
+  it("is over at once when it has no sound", async () => {
+    connect();
+    const turn = talk.speak("", {});
+    say({ type: "done", turn: 1, reason: "end", samples: 0 });
+    expect(await turn).toMatchObject({ reason: "end", samples: 0 });
+  });
+
+  it("does not need its own end reported once the next one is heard", async () => {
+    connect();
+    const first = talk.speak("a", {});
+    talk.speak("b", {});
+    begin(1, 2);
+    say({ type: "done", turn: 1, reason: "end", samples: 1280 });
+    begin(2, 2);
+    talk.advance(heard(2, 10));
+    expect(await first).toMatchObject({ reason: "end" });
+  });
+
+  it("measures from its first text to its first loud sample", () => {
+    connect();
+    now = 100;
+    const turn = talk.speak("", { open: true });
+    now = 300;
+    turn.append("a");
+    begin(1, 1);
+    expect(talk.onsetOf(1)).toEqual({ asked: 300, sample: 0 });
+  });
+});
+
+describe("interrupt", () => {
+  beforeEach(connect);
+
+  it("says what was heard and gives the server's answer", async () => {
+    const turn = talk.speak("one two", {});
+    begin(1, 10);
+    talk.advance(heard(1, 1234.7));
+    const stopped = turn.interrupt();
+    expect(commands.at(-1)).toEqual({ kind: "stop", turn: 1 });
+    expect(sent.at(-1)).toEqual({ type: "interrupt", turn: 1, heard: 1234 });
+    expect(talk.bufferOf(heard(1, 1240))).toBeNull();
+    say({ type: "packet", turn: 1, sample: 6400, pcm: new Int16Array(640), faps: Int32Array.of(1) });
+    expect(commands.at(-1)).toEqual({ kind: "stop", turn: 1 });
+    say({ type: "done", turn: 1, reason: "interrupted", samples: 7040, heard: 1234, char: 3 });
+    expect(await stopped).toEqual({ turn: 1, reason: "interrupted", samples: 7040, heard: 1234, char: 3 });
+  });
+
+  it("answers for itself after 2 s, and when the server had finished", async () => {
+    const turn = talk.speak("one two", {});
+    begin(1, 10, [word(0, 3), word(5000, 7)]);
+    talk.advance(heard(1, 1000));
+    const stopped = turn.interrupt();
+    now = 2100;
+    talk.advance(heard(1, 1300));
+    expect(await stopped).toMatchObject({ reason: "interrupted", heard: 1000, char: 3 });
+
+    const next = talk.speak("three", {});
+    begin(2, 10, [word(0, 5)]);
+    say({ type: "done", turn: 2, reason: "end", samples: 6400 });
+    talk.advance(heard(2, 500));
+    const count = sent.length;
+    expect(await next.interrupt()).toMatchObject({ reason: "interrupted", heard: 500, char: 5 });
+    expect(sent).toHaveLength(count);
+  });
+
+  it("of all tells about the one being heard", async () => {
+    talk.speak("a", {});
+    const waiting = talk.speak("b", {});
+    begin(1, 5);
+    talk.advance(heard(1, 640));
+    const all = talk.interruptAll();
+    for (const turn of [1, 2]) say({ type: "done", turn, reason: "interrupted", samples: 0, heard: turn === 1 ? 640 : 0, char: 0 });
+    expect(await all).toMatchObject({ turn: 1, heard: 640 });
+    expect(await waiting).toMatchObject({ turn: 2, reason: "interrupted" });
+    expect(await talk.interruptAll()).toBeNull();
+  });
+
+  it("of a turn that was never sent needs no server", async () => {
+    talk.disconnected();
+    const turn = talk.speak("a", {});
+    expect(await turn.interrupt()).toMatchObject({ reason: "interrupted", heard: 0 });
+    connect();
+    expect(of("speak")).toEqual([]);
+  });
+});
+
+describe("what goes wrong", () => {
+  it("fails a refused turn and goes on", async () => {
+    connect();
+    const turn = talk.speak("a", { voice: "x" });
+    say({ type: "error", code: "unknown_voice", message: "no", fatal: false, turn: 1 });
+    await expect(turn.finished).rejects.toMatchObject({ code: "unknown_voice", turn: 1 });
+    expect(named("error")).toMatchObject([{ code: "unknown_voice" }]);
+    talk.speak("b", {});
+    expect(of("speak").at(-1)).toMatchObject({ turn: 2 });
+  });
+
+  it("reports an error that refuses nothing and keeps the turn", () => {
+    connect();
+    talk.speak("a", {});
+    say({ type: "error", code: "text_too_long", message: "no", fatal: false, turn: 1 });
+    expect(named("error")).toMatchObject([{ code: "text_too_long" }]);
+    expect(talk.busy).toBe(true);
+  });
+
+  it("fails turns in progress when the connection is lost; new ones work after", async () => {
+    connect();
+    const lost = talk.speak("a", {});
+    talk.disconnected();
+    await expect(lost.finished).rejects.toMatchObject({ code: "connection_lost" });
+    const later = talk.speak("b", {});
+    connect();
+    expect(of("speak").at(-1)).toMatchObject({ turn: 2 });
+    begin(2, 1);
+    say({ type: "done", turn: 2, reason: "end", samples: 640 });
+    talk.advance(heard(2, 640, "over"));
+    expect(await later).toMatchObject({ reason: "end" });
+  });
+
+  it("fails a turn whose voice failed after what was said of it", async () => {
+    connect();
+    const turn = talk.speak("a", {});
+    begin(1, 2);
+    say({ type: "error", code: "synthesis_failed", message: "gone", fatal: false, turn: 1 });
+    say({ type: "done", turn: 1, reason: "failed", samples: 1280 });
+    expect(talk.busy).toBe(true);
+    talk.advance(heard(1, 1280, "over"));
+    await expect(turn.finished).rejects.toMatchObject({ code: "synthesis_failed" });
+  });
+
+  it.each([["rubbish", Uint8Array.of(0xc1)], ["a gap", encode({ type: "packet", turn: 1, sample: 99, pcm: new Int16Array(0), faps: new Int32Array(0) })]])(
+    "drops the connection over %s", (_, data) => {
+      connect();
+      talk.speak("a", {});
+      begin(1, 1);
+      talk.received(data);
+      expect(drops).toBe(1);
+      expect((events.find(([name]) => name === "error")![1] as unknown as HeadFault).code).toBe("protocol");
+    });
+
+  it("fails everything said when there is no sound", async () => {
+    const early = talk.speak("a", {});
+    talk.silence(new HeadFault("sound_unavailable", "none"));
+    await expect(early.finished).rejects.toMatchObject({ code: "sound_unavailable", turn: 1 });
+    connect();
+    expect(of("speak")).toEqual([]);
+  });
+
+  it("says goodbye, and fails what was being said", async () => {
+    connect();
+    const turn = talk.speak("a", {});
+    talk.leave();
+    expect(sent.at(-1)).toEqual({ type: "bye" });
+    await expect(turn.finished).rejects.toMatchObject({ code: "connection_lost" });
+  });
+
+  it("keeps a connection that answers, however seldom a hidden page may look", () => {
+    connect();
+    for (now = 60_000; now < 600_000; now += 60_000) {
+      talk.advance(null);
+      say({ type: "pong", id: 1 });
+    }
+    expect(of("ping").length).toBeGreaterThan(5);
+    expect(drops).toBe(0);
+  });
+
+  it("drops a connection on which nothing is heard any more", () => {
+    connect();
+    for (now = 0; now < 60_000 && !drops; now += 1000) talk.advance(null);
+    expect(of("ping").length).toBeGreaterThan(0);
+    expect(drops).toBe(1);
+    expect(now).toBeLessThan(45_000);
+  });
+});
+
+it("acknowledges four times a second while a turn is heard", () => {
+  connect();
+  talk.speak("a", {});
+  begin(1, 50);
+  talk.underruns = 2;
+  talk.skew = -1500.4;
+  for (now = 0; now < 1000; now += 16) talk.advance(heard(1, now * 16));
+  expect(of("ack").length).toBeGreaterThanOrEqual(3);
+  expect(of("ack").length).toBeLessThanOrEqual(4);
+  const { sample, queue, ...rest } = of("ack").at(-1)!;
+  expect(sample + queue).toBe(50 * 640);
+  expect(rest).toEqual({ type: "ack", turn: 1, underruns: 2, skew: -1500 });
+});

@@ -1,0 +1,30 @@
+import { afterEach, expect, it, vi } from "vitest";
+import { HeadError } from "../../src/head/model";
+import { loadHead } from "../../src/io/heads";
+import { smallHead } from "../glb";
+
+afterEach(() => vi.unstubAllGlobals());
+
+function serve(...answers: (() => Response)[]) {
+  const fetch = vi.fn(() => Promise.resolve().then(() => (answers.length > 1 ? answers.shift()! : answers[0])()));
+  vi.stubGlobal("fetch", fetch);
+  return fetch;
+}
+
+it("fetches a head once, for however many ask", async () => {
+  const fetch = serve(() => new Response(smallHead() as Uint8Array<ArrayBuffer>));
+  const [a, b] = await Promise.all([loadHead("http://x/1.glb"), loadHead("http://x/1.glb")]);
+  expect(a).toBe(b);
+  expect(fetch).toHaveBeenCalledTimes(1);
+});
+
+it.each([
+  ["is not there", () => new Response("", { status: 404 })],
+  ["is no head", () => new Response("hello")],
+  ["cannot be reached", () => { throw new TypeError("network"); }],
+])("says so when it %s, and tries again when asked again", async (name, answer) => {
+  serve(answer, () => new Response(smallHead() as Uint8Array<ArrayBuffer>));
+  const url = `http://x/${name}.glb`;
+  await expect(loadHead(url)).rejects.toThrow(HeadError);
+  expect((await loadHead(url)).name).toBe("small");
+});
