@@ -83,6 +83,8 @@ def refine(starts: Sequence[int], kinds: Sequence[tuple[str, bool]], pcm: Pcm, r
     before it falls silent, what follows a voiceless stop to where the voice comes in. `kinds`: class and
     voicing of each phone.
     """
+    if not len(pcm):
+        return list(starts)
     step = rate * STEP_MS // 1000
     loud = _levels(pcm.astype(np.float32), step)
     box = np.ones(rate // VOICE_HZ, np.float32)
@@ -94,7 +96,7 @@ def refine(starts: Sequence[int], kinds: Sequence[tuple[str, bool]], pcm: Pcm, r
             earliest = max((out[i - 1] + starts[i]) // 2, starts[i] - CLOSURE_MS * rate // 1000)
             out[i] = _back_to(loud, starts[i], earliest, step)
         elif voiced and before in STOPS and not before_voiced:
-            out[i] = max(out[i - 1] + 1, _on_to(low, starts[i - 1], starts[i], step))
+            out[i] = max(out[i - 1], _on_to(low, starts[i - 1], starts[i], step))
     return out
 
 

@@ -26,7 +26,8 @@ class AudioUnavailable(FapstreamError):
 class Player:
     """Plays mono int16 sound as it is given, silence where there is none.
 
-    `heard` counts the samples given that have reached the ear, by the device's own latency figure.
+    What was given to the device is heard when its latency, by its own figure, has gone by; silence
+    played after the last sample counts towards that.
     """
 
     def __init__(self, sample_rate: int) -> None:
@@ -34,7 +35,11 @@ class Player:
         self._chunks: deque[Pcm] = deque()
         self._lock = threading.Lock()
         self._played = 0
+        self._latency = 0
+        self._silence = 0
         self.given = 0
+        self.heard = 0
+        """Samples heard."""
         self._audio, self._stream = _open(sample_rate, self._callback)
         self._latency = round(self._stream.get_output_latency() * sample_rate)
 
@@ -45,14 +50,9 @@ class Player:
             self.given += len(pcm)
 
     @property
-    def heard(self) -> int:
-        """Samples heard."""
-        return max(0, self._played - int(self._latency))
-
-    @property
     def idle(self) -> bool:
         """Everything given has been heard."""
-        return bool(self._played >= self.given)
+        return self.heard >= self.given
 
     def close(self) -> None:
         """Stop at once."""
@@ -71,6 +71,8 @@ class Player:
                 if len(part) < len(chunk):
                     self._chunks.appendleft(chunk[len(part) :])
             self._played += filled
+            self._silence = n - filled if filled else self._silence + n
+            self.heard = max(self.heard, self._played - max(0, self._latency - self._silence))
         return out.tobytes(), 0
 
 

@@ -30,6 +30,7 @@ MEAN_PHONE_MS = 80.0
 RATE_LIMITS = (80, 450)
 PITCH = 50
 MAX_FRAME = 1 << 24
+READ_BYTES = 1 << 16
 CLOSING_MS = 80
 
 
@@ -81,13 +82,17 @@ class EspeakProcess:
                     case _:
                         return np.frombuffer(b"".join(sound), "<i2").astype(np.int16), events
         except (asyncio.IncompleteReadError, ConnectionError) as e:
+            await self.aclose()
             raise SynthesisError("eSpeak NG ended in the middle of a phrase") from e
 
     async def aclose(self) -> None:
-        """End the worker."""
+        """End the worker. What it still had to say is read: asyncio waits for the end of its pipes."""
+        assert self._process.stdout is not None
         if self.alive:
             with suppress(ProcessLookupError):
                 self._process.kill()
+        while await self._process.stdout.read(READ_BYTES):
+            pass
         await self._process.wait()
 
 
@@ -104,6 +109,7 @@ class EspeakSynthesizer:
         self._finished = False
         self._came = asyncio.Event()
         self._clean = True
+        self._released = False
 
     async def write(self, utterance: Utterance) -> None:
         """See the port."""
@@ -137,7 +143,9 @@ class EspeakSynthesizer:
 
     async def aclose(self) -> None:
         """See the port."""
-        await self._pool.release(self._process, reusable=self._clean)
+        if not self._released:
+            self._released = True
+            await self._pool.release(self._process, reusable=self._clean)
 
     async def _say(self, utterance: Utterance, at: int) -> AsyncIterator[Speech]:
         for run in split_at_pauses(utterance.phones):

@@ -104,7 +104,7 @@ def main() -> None:
     for line in sys.stdin.buffer:
         try:
             worker.speak(json.loads(line))
-        except (ValueError, KeyError) as e:
+        except (ValueError, KeyError, TypeError) as e:
             worker.fail(e)
 
 

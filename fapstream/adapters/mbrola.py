@@ -20,7 +20,7 @@ import numpy as np
 from fapstream.adapters.spares import Spares
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
-from fapstream.tts import Realiser, Voice
+from fapstream.tts import Realiser, Voice, VoicePhone, pho
 
 DATABASES = (Path("/usr/share/mbrola"), Path("/usr/local/share/mbrola"))
 """Folders that hold V/V for voice V."""
@@ -84,13 +84,31 @@ class MbrolaProcess:
         """Its process id."""
         return self._process.pid
 
-    async def write(self, lines: str, samples: int) -> None:
+    @property
+    def owed(self) -> int:
+        """Samples asked for and not received."""
+        return self.written - self.read
+
+    def send(self, lines: str, samples: int) -> None:
         """Send lines worth so many samples. A dead process is noticed by `pcm`."""
         assert self._process.stdin is not None
         self.written += samples
         with suppress(ConnectionError):
             self._process.stdin.write(lines.encode("ascii"))
+
+    async def write(self, lines: str, samples: int) -> None:
+        """Send lines, waiting while the program is busy."""
+        assert self._process.stdin is not None
+        self.send(lines, samples)
+        with suppress(ConnectionError):
             await self._process.stdin.drain()
+
+    async def renew(self, voice: Voice) -> None:
+        """Fill up the period begun in silence: from here on it gives the bytes that a new process would."""
+        n = voice.period - self.owed
+        if n < voice.period:
+            pause = VoicePhone(SILENCE, n, ((0.0, voice.f0_hz),), ())
+            await self.write(pho.line(pause, voice.sample_rate) + FLUSH, n)
 
     async def pcm(self) -> Pcm | None:
         """Sound as it comes; None when the program has ended."""
@@ -106,10 +124,13 @@ class MbrolaProcess:
         return pcm
 
     async def aclose(self) -> None:
-        """End the program."""
+        """End the program. What it still had to say is read: asyncio waits for the end of its pipes."""
+        assert self._process.stdout is not None
         if self.alive:
             with suppress(ProcessLookupError):
                 self._process.kill()
+        while await self._process.stdout.read(READ_BYTES):
+            pass
         await self._process.wait()
         self._stderr.cancel()
 
@@ -123,7 +144,8 @@ class MbrolaSynthesizer:
     """One turn spoken by an MBROLA process.
 
     Sample 0 of the turn is the process's sample `written` at the start: what the process still
-    owes of the turn before (less than a period, and silent) is dropped.
+    owes of the time before (a period of silence) is dropped. What the turn gives ends a period before
+    what was asked for, because the program may keep back as much.
     """
 
     def __init__(self, pool: MbrolaPool, process: MbrolaProcess, voice: Voice) -> None:
@@ -136,12 +158,13 @@ class MbrolaSynthesizer:
         """Samples of the turn asked for."""
         self._got = 0
         """Samples of the turn received."""
-        self._drop = process.written - process.read
+        self._drop = process.owed
         """Samples that the process owes and nobody wants."""
-        self._goal: int | None = None
+        self._finished = False
         self._closed = True
-        self._since_flush: list[tuple[str, int]] = []
-        self._flushed_at = 0
+        self._released = False
+        self._log: list[str] = []
+        """Everything written, to be said again by the next process if this one dies."""
         self._restarts = 0
         self._phones: list[TimedPhone] = []
         self._pcm: deque[Pcm] = deque()
@@ -176,9 +199,9 @@ class MbrolaSynthesizer:
             await self.write(Utterance("", (pause,), closed=True))
 
     async def finish(self) -> None:
-        """See the port. The turn ends in silence, one period before what was asked for."""
+        """See the port."""
         await self.flush()
-        self._goal = max(0, self._planned - self._voice.period)
+        self._finished = True
         self._came.set()
 
     async def speech(self) -> AsyncIterator[Speech]:
@@ -187,45 +210,45 @@ class MbrolaSynthesizer:
         while True:
             self._came.clear()
             phones, self._phones = tuple(self._phones), []
-            pcm = np.concatenate(self._pcm) if self._pcm else np.zeros(0, np.int16)
-            self._pcm.clear()
-            if self._goal is not None:
-                pcm = pcm[: self._goal - given]
+            pcm = self._take(self._end - given)
             if phones or len(pcm):
                 yield Speech(given, pcm, phones)
                 given += len(pcm)
             elif self._failure:
                 raise self._failure
-            elif self._goal is not None and given >= self._goal:
+            elif self._finished and given >= self._end:
                 return
             else:
                 await self._came.wait()
 
     async def aclose(self) -> None:
         """See the port."""
+        if self._released:
+            return
+        self._released = True
         self._reader.cancel()
         with suppress(asyncio.CancelledError):
             await self._reader
-        done = self._goal is not None and self._got >= self._goal and self._closed
-        await self._pool.release(self._voice, self._process, reusable=done and self._failure is None)
+        done = self._finished and not self._failure and self._process.owed < self._voice.period
+        await self._pool.release(self._voice, self._process, reusable=done)
+
+    @property
+    def _end(self) -> int:
+        """Sample up to which sound is sure to come."""
+        return max(0, self._planned - self._voice.period)
+
+    def _take(self, most: int) -> Pcm:
+        pcm = np.concatenate(self._pcm) if self._pcm else np.zeros(0, np.int16)
+        self._pcm.clear()
+        if len(pcm) > most:
+            self._pcm.append(pcm[most:])
+        return pcm[:most]
 
     async def _send(self, lines: str, samples: int) -> None:
         async with self._writing:
-            self._since_flush.append((lines, samples))
+            self._log.append(lines)
             self._planned += samples
             await self._process.write(lines, samples)
-            if lines == FLUSH:
-                self._forget_heard()
-
-    def _forget_heard(self) -> None:
-        """Drop from the log for a restart what has come in whole."""
-        total = self._flushed_at
-        for i, (lines, samples) in enumerate(self._since_flush):
-            total += samples
-            if lines == FLUSH and self._got >= total:
-                self._since_flush = self._since_flush[i + 1 :]
-                self._flushed_at = total
-                return
 
     async def _read(self) -> None:
         while True:
@@ -242,7 +265,7 @@ class MbrolaSynthesizer:
                 self._came.set()
 
     async def _restarted(self) -> bool:
-        """The program died: a new one says again what was not flushed, and the turn goes on.
+        """The program died: a new one says the turn again, and it goes on where it was.
 
         A fresh process gives the same bytes for the same lines, so nobody hears the seam.
         """
@@ -261,14 +284,8 @@ class MbrolaSynthesizer:
             self._failure = e
             self._came.set()
             return False
-        self._drop = self._got - self._flushed_at
-        if self._drop < 0:
-            self._pcm.append(np.zeros(-self._drop, np.int16))
-            self._got -= self._drop
-            self._drop = 0
-            self._came.set()
-        for lines, samples in self._since_flush:
-            await self._process.write(lines, samples)
+        self._drop = self._got
+        self._process.send("".join(self._log), self._planned)
         return True
 
 
@@ -292,7 +309,9 @@ class MbrolaPool:
 
     async def acquire(self, voice: Voice) -> MbrolaSynthesizer:
         """A voice ready for one turn. Raises VoiceUnavailable."""
-        return MbrolaSynthesizer(self, await self._of(voice).take(), voice)
+        process = await self._of(voice).take()
+        await process.renew(voice)
+        return MbrolaSynthesizer(self, process, voice)
 
     async def release(self, voice: Voice, process: MbrolaProcess, reusable: bool) -> None:
         """Take a process back, or end it."""

@@ -7,7 +7,7 @@ from fapstream.adapters.espeak import installed as espeak_installed
 from fapstream.adapters.mbrola import MbrolaPool, database
 from fapstream.errors import UnknownLanguage, VoiceUnavailable
 from fapstream.ports import Synthesizer
-from fapstream.tts import LANGUAGES, Voice, voice, voices
+from fapstream.tts import LANGUAGES, Voice, default_voice, voice, voices
 
 
 def installed(candidate: Voice) -> bool:
@@ -21,7 +21,8 @@ class VoicePool:
     def __init__(self) -> None:
         self._mbrola = MbrolaPool()
         self._espeak = EspeakPool()
-        self._installed = tuple(v for v in voices() if installed(v))
+        here = (v for v in voices() if installed(v))
+        self._installed = tuple(sorted(here, key=lambda v: v != default_voice(v.lang)))
 
     def all(self) -> tuple[Voice, ...]:
         """Every voice that can speak here, the preferred one of each language first."""

@@ -1,0 +1,324 @@
+"""MBROLA as it is: samples to the last one, processes that are killed, turns that follow each other."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import shutil
+import signal
+from collections.abc import AsyncIterator, Callable
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from fapstream.adapters import mbrola
+from fapstream.adapters.mbrola import MAX_RESTARTS, MbrolaPool, MbrolaProcess, MbrolaSynthesizer, amplified
+from fapstream.errors import SynthesisError, VoiceUnavailable
+from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
+from fapstream.tts import Voice, pho, phone_set, realise, voice
+
+pytestmark = pytest.mark.skipif(shutil.which("mbrola") is None, reason="MBROLA is not installed")
+
+VOICES = ["us1", "gr2"]
+
+
+@pytest.fixture
+async def pool() -> AsyncIterator[MbrolaPool]:
+    made = MbrolaPool()
+    yield made
+    await made.aclose()
+
+
+def utterance(name: str, n: int, seed: int, closed: bool = True) -> Utterance:
+    """n random phones that the voice can say, then a pause if it is closed."""
+    rng = np.random.default_rng(seed)
+    v = voice(name)
+    names = [p for p in phone_set(v.lang) if p != SILENCE]
+    phones = [
+        Phone(str(rng.choice(names)), float(rng.uniform(35, 110)), ((0.0, v.f0_hz),), word=0)
+        for _ in range(n)
+    ]
+    if closed:
+        phones.append(Phone(SILENCE, 120.0))
+    return Utterance(v.lang, tuple(phones), (Word(f"w{seed}", seed, seed + 1),), closed)
+
+
+async def spoken(
+    synthesizer: MbrolaSynthesizer,
+    utterances: list[Utterance],
+    meanwhile: Callable[[int], None] = lambda _: None,
+    finish_first: bool = True,
+) -> tuple[Pcm, list[TimedPhone]]:
+    """A whole turn; `meanwhile` is told how many samples have come."""
+    pcm: list[Pcm] = []
+    phones: list[TimedPhone] = []
+
+    async def listen() -> None:
+        async for speech in synthesizer.speech():
+            check(speech, sum(map(len, pcm)), phones)
+            pcm.append(speech.pcm)
+            phones.extend(speech.phones)
+            meanwhile(sum(map(len, pcm)))
+
+    listening = asyncio.create_task(listen())
+    for u in utterances:
+        await synthesizer.write(u)
+        if not finish_first:
+            await asyncio.sleep(0.05)
+    await synthesizer.finish()
+    await asyncio.wait_for(listening, 5)
+    return np.concatenate(pcm or [np.zeros(0, np.int16)]), phones
+
+
+def check(speech: Speech, given: int, phones: list[TimedPhone]) -> None:
+    """Gapless, and no phone later than the sound in which it is heard."""
+    assert speech.start == given
+    if speech.phones:
+        assert speech.phones[0].start >= given
+
+
+async def turn(pool: MbrolaPool, name: str, utterances: list[Utterance]) -> tuple[Pcm, list[TimedPhone]]:
+    synthesizer = await pool.acquire(voice(name))
+    try:
+        return await spoken(synthesizer, utterances)
+    finally:
+        await synthesizer.aclose()
+
+
+@pytest.mark.parametrize("n", [100, 1000, 5000])
+@pytest.mark.parametrize("name", VOICES)
+async def test_the_program_owes_less_than_a_period_for_ever(name: str, n: int) -> None:
+    """0 <= sum n_i - emitted < P, counted at the program's own pipe after every flush."""
+    v = voice(name)
+    process = await MbrolaProcess.start(v)
+    try:
+        previous = SILENCE
+        for k in range(n // 50):
+            u = utterance(name, 49, seed=k)
+            phones = realise(u.phones, v, previous)
+            previous = phones[-1].name
+            await process.write(pho.lines(phones, v.sample_rate), sum(p.n_samples for p in phones))
+            await process.write("#\n", 0)
+            while process.written - process.read >= v.period:
+                assert await asyncio.wait_for(process.pcm(), 5) is not None
+            assert 0 <= process.written - process.read < v.period
+    finally:
+        await process.aclose()
+
+
+@pytest.mark.parametrize("name", VOICES)
+async def test_marks_and_length(pool: MbrolaPool, name: str) -> None:
+    """Phones follow each other from sample P on, as long as they wish; the sound ends in their last pause."""
+    v = voice(name)
+    utterances = [utterance(name, 30, seed) for seed in range(3)]
+    pcm, phones = await turn(pool, name, utterances)
+    assert phones[0].start == v.period
+    assert all(a.end == b.start for a, b in pairwise(phones))
+    assert [t.phone for t in phones] == [p for u in utterances for p in u.phones]
+    assert [t.text and t.text.text for t in phones] == 30 * ["w0"] + [None] + 30 * ["w1"] + [None] + 30 * [
+        "w2"
+    ] + [None]
+    at = float(v.period)
+    for u, k in zip(utterances, range(0, 93, 31), strict=True):
+        for i, p in enumerate(u.phones):
+            at += p.duration_ms * v.sample_rate / 1000
+            assert phones[k + i].end == pytest.approx(at, abs=2)
+    planned = phones[-1].end - v.period
+    assert len(pcm) == planned - v.period
+    assert np.abs(pcm).max() > 3000
+    assert np.abs(pcm[-v.period :]).max() < 100
+
+
+@pytest.mark.parametrize("name", VOICES)
+async def test_the_second_turn_of_a_process_sounds_like_the_first(pool: MbrolaPool, name: str) -> None:
+    utterances = [utterance(name, 25, seed) for seed in range(2)]
+    first = await pool.acquire(voice(name))
+    pid = first._process.pid
+    one = await spoken(first, utterances)
+    await first.aclose()
+    second = await pool.acquire(voice(name))
+    assert second._process.pid == pid
+    two = await spoken(second, utterances)
+    await second.aclose()
+    assert [(t.start, t.end) for t in one[1]] == [(t.start, t.end) for t in two[1]]
+    assert np.array_equal(one[0], two[0])
+
+
+@pytest.mark.parametrize("name", VOICES)
+async def test_when_the_turn_is_finished_does_not_change_its_sound(pool: MbrolaPool, name: str) -> None:
+    utterances = [utterance(name, 12, 1)]
+    early = await turn(pool, name, utterances)
+    late = await pool.acquire(voice(name))
+    other = await spoken(late, utterances, finish_first=False)
+    await late.aclose()
+    assert np.array_equal(early[0], other[0])
+
+
+@pytest.mark.parametrize("name", VOICES)
+@pytest.mark.parametrize("kills", [1, MAX_RESTARTS])
+async def test_a_killed_process_is_not_heard(pool: MbrolaPool, name: str, kills: int) -> None:
+    utterances = [utterance(name, 20, seed) for seed in range(6)]
+    whole, phones = await turn(pool, name, utterances)
+    synthesizer = await pool.acquire(voice(name))
+    left = [len(whole) * (k + 1) // (kills + 2) for k in range(kills)]
+
+    killed = []
+
+    def kill(given: int) -> None:
+        process = synthesizer._process
+        if left and given > left[0] and process not in killed and process.alive:
+            left.pop(0)
+            killed.append(process)
+            os.kill(process.pid, signal.SIGKILL)
+
+    try:
+        again, same = await spoken(synthesizer, utterances, kill)
+    finally:
+        await synthesizer.aclose()
+    assert killed
+    assert same == phones
+    assert len(again) == len(whole)
+    assert np.array_equal(again, whole)
+
+
+async def test_killed_before_it_says_anything(pool: MbrolaPool) -> None:
+    utterances = [utterance("us1", 20, seed) for seed in range(2)]
+    whole, _ = await turn(pool, "us1", utterances)
+    synthesizer = await pool.acquire(voice("us1"))
+    os.kill(synthesizer._process.pid, signal.SIGKILL)
+    again, _ = await spoken(synthesizer, utterances)
+    await synthesizer.aclose()
+    assert np.array_equal(again, whole)
+
+
+async def test_killed_once_too_often_it_gives_up(pool: MbrolaPool, monkeypatch: pytest.MonkeyPatch) -> None:
+    started, start = [], MbrolaProcess.start
+
+    async def doomed(v: Voice) -> MbrolaProcess:
+        process = await start(v)
+        started.append(process)
+        os.kill(process.pid, signal.SIGKILL)
+        return process
+
+    monkeypatch.setattr(MbrolaProcess, "start", doomed)
+    synthesizer = await pool.acquire(voice("us1"))
+    with pytest.raises(SynthesisError, match="died 4 times"):
+        await spoken(synthesizer, [utterance("us1", 20, seed) for seed in range(3)])
+    assert len(started) == 1 + MAX_RESTARTS
+    with pytest.raises(SynthesisError):
+        await synthesizer.write(utterance("us1", 3, 0))
+    await synthesizer.aclose()
+
+
+async def test_other_turns_never_notice(pool: MbrolaPool) -> None:
+    utterances = [utterance("us1", 20, seed) for seed in range(4)]
+    whole, _ = await turn(pool, "us1", utterances)
+    victim, other = await pool.acquire(voice("us1")), await pool.acquire(voice("us1"))
+    speaking = asyncio.create_task(spoken(other, utterances))
+    os.kill(victim._process.pid, signal.SIGKILL)
+    assert np.array_equal((await speaking)[0], whole)
+    await victim.aclose()
+    await other.aclose()
+
+
+async def test_a_flush_inside_a_phrase_brings_out_everything(pool: MbrolaPool) -> None:
+    synthesizer = await pool.acquire(voice("us1"))
+    speech = synthesizer.speech()
+    open_one = utterance("us1", 6, 1, closed=False)
+    await synthesizer.write(open_one)
+    await synthesizer.flush()
+    end = voice("us1").period + round(sum(p.duration_ms for p in open_one.phones) * 16)
+    given = 0
+    phones: list[TimedPhone] = []
+    while given < end:
+        got = await asyncio.wait_for(anext(speech), 5)
+        given += len(got.pcm)
+        phones += got.phones
+    assert phones[-1].phone == Phone(SILENCE, mbrola.CLOSING_MS)
+    assert phones[-1].start == pytest.approx(end, abs=1)
+    await synthesizer.flush()
+    await synthesizer.finish()
+    rest = [s async for s in speech]
+    assert not any(s.phones for s in rest), "what is closed needs no second closing"
+    await synthesizer.aclose()
+
+
+async def test_an_empty_turn(pool: MbrolaPool) -> None:
+    pcm, phones = await turn(pool, "us1", [])
+    assert len(pcm) == 0
+    assert phones == []
+    pcm, phones = await turn(pool, "us1", [Utterance("en", ())])
+    assert len(pcm) == 0
+
+
+async def test_a_missing_database_is_told() -> None:
+    nobody = replace(voice("us1"), name="zz9")
+    assert mbrola.database(nobody) is None
+    pool = MbrolaPool()
+    with pytest.raises(VoiceUnavailable, match="zz9"):
+        await pool.acquire(nobody)
+    with pytest.raises(VoiceUnavailable):
+        await pool.warm(nobody)
+    await pool.aclose()
+
+
+async def test_a_missing_program_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mbrola, "which", lambda _: None)
+    with pytest.raises(VoiceUnavailable, match="not installed"):
+        await MbrolaPool().acquire(voice("us1"))
+
+
+async def test_a_finished_turn_gives_its_process_back_once(pool: MbrolaPool) -> None:
+    synthesizer = await pool.acquire(voice("us1"))
+    await spoken(synthesizer, [utterance("us1", 3, 0)])
+    await synthesizer.aclose()
+    await synthesizer.aclose()
+    a, b = await pool.acquire(voice("us1")), await pool.acquire(voice("us1"))
+    assert a._process is not b._process
+    await a.aclose()
+    await b.aclose()
+
+
+async def test_a_turn_left_in_the_middle_ends_its_process(pool: MbrolaPool) -> None:
+    synthesizer = await pool.acquire(voice("us1"))
+    process = synthesizer._process
+    await synthesizer.write(utterance("us1", 30, 0))
+    await anext(synthesizer.speech())
+    await synthesizer.aclose()
+    assert not process.alive
+
+
+async def test_left_with_much_unread_it_still_ends(pool: MbrolaPool) -> None:
+    """Half a megabyte in the pipes, and nobody to take it."""
+    synthesizer = await pool.acquire(voice("us1"))
+    process = synthesizer._process
+    synthesizer._reader.cancel()
+    pause = Utterance("en", (Phone(SILENCE, 9000.0),))
+    for _ in range(3):
+        await asyncio.wait_for(synthesizer.write(pause), 5)
+    for _ in range(200):
+        await asyncio.sleep(0.001)
+    await asyncio.wait_for(synthesizer.aclose(), 5)
+    assert not process.alive
+
+
+async def test_gain(pool: MbrolaPool) -> None:
+    """The voice's gain is on the sound, clipped to 16 bits."""
+    utterances = [utterance("us1", 10, 0)]
+    plain, _ = await turn(pool, "us1", utterances)
+    for gain in (0.5, 40.0):
+        made = await pool.acquire(voice("us1"))
+        made._voice = replace(voice("us1"), gain=gain)
+        louder, _ = await spoken(made, utterances)
+        await made.aclose()
+        expected = np.clip(np.rint(plain * (gain / voice("us1").gain)), -32768, 32767)
+        assert np.abs(louder - expected).max() <= 1 + gain
+
+
+def test_amplified() -> None:
+    pcm = np.array([-32768, -3, 0, 3, 20000], np.int16)
+    assert amplified(pcm, 1.0) is pcm
+    assert amplified(pcm, 2.0).tolist() == [-32768, -6, 0, 6, 32767]
+    assert amplified(pcm, 0.5).tolist() == [-16384, -2, 0, 2, 10000]
