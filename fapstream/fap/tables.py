@@ -50,6 +50,9 @@ def visemes() -> NDArray[np.float64]:
         if not name.isdigit() or not 1 <= int(name) < N_VISEMES:
             raise DataError("visemes.tsv", line, f"{name!r} is no viseme")
         table[int(name)] = values
+    absent = [v for v in range(1, N_VISEMES) if not table[v].any()]
+    if absent:
+        raise DataError("visemes.tsv", None, f"no row for viseme {', '.join(map(str, absent))}")
     return table
 
 

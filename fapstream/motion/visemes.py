@@ -23,6 +23,9 @@ REST_MS = 120
 EASE_MS = 250
 """An expression takes this long to come and to go."""
 
+MAX_HALF_HOLD = 0.45
+"""A shape is kept for no more than this part of its phone on either side."""
+
 
 @dataclass(frozen=True, slots=True)
 class Target:
@@ -66,11 +69,18 @@ def phone_shapes(lang: str) -> dict[str, PhoneShape]:
             continue
         try:
             phone, targets, hold_ms, unstressed = line.split("\t")
-            parsed = tuple(_target(t) for t in targets.split())
-            shapes[phone] = PhoneShape(parsed, float(hold_ms), float(unstressed) / 100)
+            shapes[phone] = PhoneShape(_targets(targets), float(hold_ms), float(unstressed) / 100)
         except (ValueError, IndexError) as e:
             raise DataError(name, number, str(e)) from None
     return shapes
+
+
+def _targets(text: str) -> tuple[Target, ...]:
+    """Targets apart by spaces, at least one, in order of time."""
+    parsed = tuple(_target(t) for t in text.split())
+    if not parsed or any(not 0 <= t.at <= 1 for t in parsed):
+        raise ValueError(f"{text!r}: expected shapes, each @ 0 to 100 percent")
+    return parsed
 
 
 def _target(text: str) -> Target:
@@ -106,7 +116,7 @@ def keyframes(timed: TimedPhone, lang: str, sample_rate: int) -> Iterator[Keyfra
         return
     shape = phone_shapes(lang).get(phone.name) or phone_shapes(lang)[SILENCE]
     scale = 1.0 if phone.stress == 1 else shape.unstressed
-    half_hold = min(shape.hold_ms / 2000 * sample_rate, 0.3 * length)
+    half_hold = min(shape.hold_ms / 2000 * sample_rate, MAX_HALF_HOLD * length)
     for target in shape.targets:
         middle = timed.start + target.at * length
         values = target.values * scale
