@@ -108,8 +108,8 @@ class Pipeline:
         timed = phones[i]
         word = timed.text
         if word is not None and word is not self._word and word != self._word:
-            if self._captions and self._captions[0].word == word:
-                yield self._caption(phones, i, self._captions.popleft())
+            if caption := self._caption_at(word):
+                yield self._caption(phones, i, caption)
             end = next((p.end for p in reversed(phones) if p.text == word), timed.end)
             self._word_samples.append(timed.start)
             self._word_ends.append(word.end)
@@ -119,6 +119,13 @@ class Pipeline:
         yield Mark("phone", timed.start, length, timed.phone.name)
         if timed.phone.expression:
             yield Mark("expression", timed.start, length, timed.phone.expression)
+
+    def _caption_at(self, word: Word) -> _Caption | None:
+        """The caption that begins with this word, or with one before it that is not said."""
+        found = None
+        while self._captions and self._captions[0].word.start <= word.start:
+            found = self._captions.popleft()
+        return found
 
     def _caption(self, phones: tuple[TimedPhone, ...], i: int, caption: _Caption) -> Mark:
         ends = [p.end for p in phones[i:] if p.text is not None and p.text.end <= caption.end]
@@ -131,16 +138,18 @@ class _Text:
 
     def __init__(self) -> None:
         self._start = 0
-        self._text = ""
+        self._parts: list[str] = []
 
     def add(self, text: str) -> None:
-        self._text += text
+        self._parts.append(text)
 
     def take(self, start: int, end: int) -> str:
         """Characters [start, end) and the punctuation that closes them; what lies before is forgotten."""
-        while end - self._start < len(self._text) and self._text[end - self._start] in ".,;:!?…»)”’\"'":
-            end += 1
-        taken = self._text[max(0, start - self._start) : end - self._start]
-        self._text = self._text[end - self._start :]
-        self._start = end
+        text = "".join(self._parts)
+        after = end - self._start
+        while after < len(text) and text[after] in ".,;:!?…»)”’\"'":
+            after += 1
+        self._parts = [text[after:]]
+        taken = text[max(0, start - self._start) : after]
+        self._start += after
         return " ".join(taken.split())

@@ -92,7 +92,10 @@ class Talk:
             await self._sound_came.wait()
 
     async def aclose(self) -> None:
-        """Stop, whatever the state, and give the voice back."""
+        """Stop, whatever the state, and give the voice back, also when cancelled meanwhile."""
+        await asyncio.shield(self._close())
+
+    async def _close(self) -> None:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -145,7 +148,8 @@ class Talk:
 
     async def _speak_what_stalls(self) -> None:
         """When the listener is about to run dry: speak the words there are, then the voice's remainder."""
-        if self._heard_s is None or self._ended or not (self._pipeline.pending_words or self._open):
+        waits = self._pipeline.pending_words or self._open
+        if self._heard_s is None or self._ended or self._text or not waits:
             return
         now = asyncio.get_running_loop().time()
         self._stalled_since = self._stalled_since or now

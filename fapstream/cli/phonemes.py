@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+from fapstream.cli.arguments import rate, unicode_text
 from fapstream.records import Utterance
 from fapstream.tts import LANGUAGES, FrontEnd, default_voice, voice
 
@@ -17,18 +18,20 @@ HELP = "show how a text would be pronounced"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """TEXT, --lang, --voice, --rate, --json."""
     parser.add_argument(
-        "text", help="the text; `-` reads one utterance a line from stdin and writes JSON lines"
+        "text",
+        type=unicode_text,
+        help="the text; `-` reads one utterance a line from stdin and writes JSON lines",
     )
     parser.add_argument("--lang", choices=LANGUAGES, default=LANGUAGES[0])
     parser.add_argument("--voice", help="take the pitch of this voice")
-    parser.add_argument("--rate", type=float, default=1.0, help="speaking rate, 1 is normal")
+    parser.add_argument("--rate", type=rate, default=1.0, help="speaking rate, 1 is normal")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print to stdout."""
     chosen = voice(args.voice) if args.voice else default_voice(args.lang)
-    texts = (line.rstrip("\n") for line in sys.stdin) if args.text == "-" else iter([args.text])
+    texts = _lines_of_stdin() if args.text == "-" else iter([args.text])
     for text in texts:
         frontend = FrontEnd(args.lang, args.rate, chosen.f0_hz)
         described = describe(text, frontend.feed(text) + frontend.end())
@@ -37,6 +40,11 @@ def run(args: argparse.Namespace) -> int:
         else:
             print("\n".join(_lines(described)))
     return 0
+
+
+def _lines_of_stdin() -> Iterator[str]:
+    for line in sys.stdin.buffer:
+        yield line.decode("utf-8", "replace").rstrip("\r\n")
 
 
 def describe(text: str, utterances: list[Utterance]) -> dict[str, Any]:

@@ -16,6 +16,8 @@ from typing import Any
 from fapstream.adapters.audio import Player
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.record import PhoRecorder
+from fapstream.cli.arguments import rate, unicode_text
+from fapstream.errors import InputError
 from fapstream.fap import format_fap
 from fapstream.pipeline import Pipeline
 from fapstream.records import FapFrame, Mark, Packet, TurnFormat
@@ -29,10 +31,10 @@ PLAY_LEAD_S = 0.3
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """TEXT, --lang, --voice, --rate, --fps, --wav, --fap, --pho, --marks, --play."""
-    parser.add_argument("text", help="the text; `-` reads it from stdin as it arrives")
+    parser.add_argument("text", type=unicode_text, help="the text; `-` reads it from stdin as it arrives")
     parser.add_argument("--lang", choices=LANGUAGES, help="language (default: the voice's, or en)")
     parser.add_argument("--voice", help="voice, see `fapstream voices`")
-    parser.add_argument("--rate", type=float, default=1.0, help="speaking rate, 1 is normal")
+    parser.add_argument("--rate", type=rate, default=1.0, help="speaking rate, 1 is normal")
     parser.add_argument("--fps", type=int, choices=(25, 50), default=25, help="FAP frames a second")
     parser.add_argument("--wav", type=Path, metavar="F", help="write the sound")
     parser.add_argument("--fap", type=Path, metavar="F", help="write the face as an MPEG-4 FAP file")
@@ -44,9 +46,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write what was asked for."""
-    if not 0.25 <= args.rate <= 4:
-        print("fapstream: --rate is from 0.25 to 4", file=sys.stderr)
-        return 2
     asyncio.run(_say(args))
     return 0
 
@@ -56,16 +55,18 @@ async def _say(args: argparse.Namespace) -> None:
     files = any((args.wav, args.fap, args.pho, args.marks))
     try:
         chosen = pool.find(args.voice, args.lang)
-        turn = TurnFormat(1, chosen.name, args.lang or chosen.lang, chosen.sample_rate, args.fps)
+        if args.lang and args.lang != chosen.lang:
+            raise InputError(f"the voice {chosen.name} speaks {chosen.lang}, not {args.lang}")
+        turn = TurnFormat(1, chosen.name, chosen.lang, chosen.sample_rate, args.fps)
         with ExitStack() as stack:
             player = None
             if args.play or not files:
                 player = Player(turn.sample_rate)
                 stack.callback(player.close)
+            sink = Sink(args, turn, stack)
             recorder = PhoRecorder(await pool.acquire(chosen), chosen)
             pipeline = Pipeline(turn, FrontEnd(turn.lang, args.rate, chosen.f0_hz), args.seed)
             talk = Talk(pipeline, recorder, _heard(player, turn))
-            sink = Sink(args, turn, stack)
             await _run(talk, args.text, sink, player)
             sink.finish(recorder.lines)
     finally:
@@ -129,7 +130,8 @@ class Sink:
         self._marks: list[Mark] = []
         self._wav: wave.Wave_write | None = None
         if args.wav:
-            self._wav = stack.enter_context(wave.open(str(args.wav), "wb"))  # noqa: SIM115
+            file = stack.enter_context(args.wav.open("wb"))
+            self._wav = stack.enter_context(wave.open(file, "wb"))  # noqa: SIM115
             self._wav.setnchannels(1)
             self._wav.setsampwidth(2)
             self._wav.setframerate(turn.sample_rate)

@@ -57,8 +57,8 @@ async def _serve(args: argparse.Namespace) -> None:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
-    await _warm(pool, args.voice)
     try:
+        await _warm(pool, args.voice)
         async with running(service, site, args.host, args.port) as server:
             host, port = server.sockets[0].getsockname()[:2]
             print(f"fapstream speaks at http://{_shown(host)}:{port}/", flush=True)

@@ -72,6 +72,10 @@ class Turn:
     async def __aiter__(self) -> AsyncIterator[TurnEvent]:
         while self.done is None:
             event = await self._events.get()
+            if isinstance(event, ServerError) and not event.fatal:
+                raise event
+            if isinstance(event, BaseException | g.Done):
+                self._events.put_nowait(event)  # for whoever else waits
             if isinstance(event, BaseException):
                 raise event
             if isinstance(event, g.Done):
@@ -91,6 +95,7 @@ class Talker:
         self._session = ClientSession()
         self._turns: dict[int, Turn] = {}
         self._last = 0
+        self._broken: BaseException | None = None
         self._ready: asyncio.Future[g.Ready] = asyncio.get_running_loop().create_future()
 
     async def open(self, hello: g.Hello) -> g.Ready:
@@ -129,7 +134,9 @@ class Talker:
         await self.send(g.Ack(turn=turn.number, sample=sample, queue=queue, underruns=0, skew=0))
 
     async def send(self, message: g.ClientMessage) -> None:
-        """Raises LocalProtocolError, ConnectionClosed."""
+        """Raises LocalProtocolError, ConnectionClosed, and what ended the session if it is over."""
+        if self._broken:
+            raise self._broken
         await self._socket.send(self._session.send(message))
 
     async def listen(self) -> None:
@@ -150,11 +157,12 @@ class Talker:
                 self._ready.set_result(event)
             case g.Error():
                 error = ServerError(event.code, event.message, event.fatal, event.turn)
-                turn = self._turns.get(event.turn or 0)
-                if turn:
-                    turn.put(error)
-                elif event.fatal or not self._ready.done():
+                if event.fatal or not self._ready.done():
                     self._fail(error)
+                elif turn := self._turns.get(event.turn or 0):
+                    turn.put(error)
+            case g.Bye():
+                self._fail(ServerError("bye", event.reason or "the server said goodbye", fatal=True))
             case g.Begin() | Packet() | g.Done():
                 if turn := self._turns.get(event.turn):
                     turn.put(event)
@@ -164,6 +172,7 @@ class Talker:
                 pass
 
     def _fail(self, error: BaseException) -> None:
+        self._broken = self._broken or error
         if not self._ready.done():
             self._ready.set_exception(error)
         for turn in self._turns.values():

@@ -169,7 +169,7 @@ class Connection:
             case EndOfText() if event.turn in self._turns:
                 turn = self._turns[event.turn]
                 if event.text:
-                    turn.feed(event.text)
+                    await self._text(Text(event.turn, event.text))
                 turn.end()
             case g.Interrupt() if event.turn in self._turns:
                 await self._interrupt(self._turns[event.turn], event)
@@ -207,6 +207,8 @@ class Connection:
         self._queue.put_nowait(turn)
 
     async def _interrupt(self, turn: _Turn, event: g.Interrupt) -> None:
+        if turn.interrupt:
+            return
         turn.interrupt = event
         if turn.task:
             turn.task.cancel()
@@ -225,10 +227,9 @@ class Connection:
                 await turn.task
                 await self._done(turn, "end")
             except asyncio.CancelledError:
-                if turn.interrupt is None:
-                    turn.task.cancel()
-                    await asyncio.gather(turn.task, return_exceptions=True)
-                    raise
+                me = asyncio.current_task()
+                if me and me.cancelling():
+                    raise  # the session is over, whether or not the turn was interrupted as well
                 await self._done(turn, "interrupted")
             except ConnectionClosed:
                 return

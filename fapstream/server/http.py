@@ -11,6 +11,8 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
+from fapstream.errors import InputError
+
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -20,6 +22,7 @@ TYPES = {
 }
 
 PAGE = re.compile(r"/([a-z0-9][a-z0-9.-]{0,63})?")
+GZIP = re.compile(r"\bgzip\b(?!\s*;\s*q=0(\.0*)?\s*(,|$))")
 HEAD = re.compile(r"/heads/([A-Za-z0-9][A-Za-z0-9_-]{0,63})\.glb")
 
 
@@ -47,6 +50,12 @@ class Site:
     """What can be fetched. `heads`: more head files by name, beside those in the package."""
 
     def __init__(self, heads: dict[str, Path] | None = None) -> None:
+        """Raises InputError for a name that no address could have."""
+        for name in heads or ():
+            if not HEAD.fullmatch(f"/heads/{name}.glb"):
+                raise InputError(
+                    f"a head cannot be called {name!r}: letters, digits, `-` and `_`, at most 64"
+                )
         self._heads: dict[str, Traversable] = {**packaged_heads(), **(heads or {})}
 
     @property
@@ -71,7 +80,7 @@ class Site:
         ]
         if if_none_match == file.etag:
             return Answer(304, tuple(headers))
-        if "gzip" in accept_encoding:
+        if GZIP.search(accept_encoding):
             return Answer(200, (*headers, ("Content-Encoding", "gzip")), file.packed)
         return Answer(200, tuple(headers), file.body)
 

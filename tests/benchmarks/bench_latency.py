@@ -145,7 +145,10 @@ def main() -> None:
         ("trickle_ms", f"text at {WORDS_PER_S:g} words/s: first word heard (third arrives at 400)", trickled),
     ]
     figures = {
-        f"{key}_p{q}": round(float(np.percentile(values, q)), 3) for key, _, values in rows if values for q in (50, 99)
+        f"{key}_p{q}": round(float(np.percentile(values, q)), 3)
+        for key, _, values in rows
+        if values
+        for q in (50, 99)
     }
     figures["ratio_to_mbrola_p50"] = round(figures["first_packet_ms_p50"] / figures["mbrola_floor_ms_p50"], 1)
     if args.json:

@@ -1,0 +1,211 @@
+"""`fapstream say`: four files of one turn that agree with each other."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import wave
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fapstream.adapters.audio import AudioUnavailable
+from fapstream.adapters.pool import installed
+from fapstream.cli import main, say
+from fapstream.records import Pcm
+from fapstream.tts import pho, voice
+
+TEXT = {"en": "Hello world, it is 21:45. \\:)500 Good bye!", "el": "Καλημέρα κόσμε. \\:)500 Τι κάνεις;"}
+
+VOICES = [
+    pytest.param(name, marks=() if installed(voice(name)) else pytest.mark.skip("not installed"))
+    for name in ("us1", "gr2", "espeak-en", "espeak-el")
+]
+
+
+class Files:
+    def __init__(self, folder: Path) -> None:
+        self.wav, self.fap, self.pho, self.marks = (folder / f"a.{x}" for x in ("wav", "fap", "pho", "json"))
+        self.options = [f"--{x}={getattr(self, x)}" for x in ("wav", "fap", "pho", "marks")]
+
+    def sound(self) -> tuple[int, Pcm]:
+        with wave.open(str(self.wav)) as f:
+            assert (f.getnchannels(), f.getsampwidth()) == (1, 2)
+            return f.getframerate(), np.frombuffer(f.readframes(f.getnframes()), "<i2")
+
+    def described(self) -> dict[str, Any]:
+        found: dict[str, Any] = json.loads(self.marks.read_text(encoding="utf-8"))
+        return found
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> Files:
+    return Files(tmp_path)
+
+
+@pytest.mark.parametrize("fps", [25, 50])
+@pytest.mark.parametrize("name", VOICES)
+def test_the_files_agree(name: str, fps: int, files: Files) -> None:
+    v = voice(name)
+    assert main(["say", TEXT[v.lang], "--voice", name, f"--fps={fps}", *files.options]) == 0
+    rate, pcm = files.sound()
+    assert rate == v.sample_rate
+    assert np.abs(pcm).max() > 2000
+    described = files.described()
+    assert (described["voice"], described["lang"], described["sample_rate"]) == (name, v.lang, rate)
+
+    header = files.fap.read_text(encoding="ascii").splitlines()[0].split()
+    assert header == ["2.1", "a", str(fps), str(-(-len(pcm) * fps // rate))]
+
+    marks = described["marks"]
+    phones = [m for m in marks if m["kind"] == "phone"]
+    end = phones[-1]["sample"] + phones[-1]["duration"]
+    assert abs(end - len(pcm)) <= 0.001 * rate + 2 * v.period
+    assert [m["text"] for m in marks if m["kind"] == "expression"] == ["joy"]
+    assert all(m["time_ms"] == pytest.approx(1000 * m["sample"] / rate, abs=0.001) for m in marks)
+    text = TEXT[v.lang]
+    written = [m for m in marks if m["kind"] == "word"]
+    assert all(text[m["char_start"] : m["char_end"]] == m["text"] for m in written)
+
+    lines = pho.parse(files.pho.read_text(encoding="ascii"))
+    if v.engine == "mbrola":
+        total = sum(int(line.duration_ms * rate / 1000) for line in lines)
+        assert total == len(pcm) + v.period
+    else:
+        assert [line.name for line in lines] == [m["text"] for m in phones]
+
+
+def test_the_same_call_writes_the_same_files(tmp_path: Path) -> None:
+    made = []
+    for folder in (tmp_path / "1", tmp_path / "2"):
+        folder.mkdir()
+        files = Files(folder)
+        assert main(["say", TEXT["en"] * 3, *files.options]) == 0
+        made.append([files.wav.read_bytes(), files.pho.read_bytes(), files.marks.read_bytes()])
+    assert made[0] == made[1]
+
+
+def test_seed_and_rate(files: Files) -> None:
+    def faces(*options: str) -> str:
+        assert main(["say", "Hello there, you.", f"--fap={files.fap}", f"--wav={files.wav}", *options]) == 0
+        return files.fap.read_text(encoding="ascii")
+
+    assert faces("--seed=1") != faces("--seed=2")
+    slow = len(files.sound()[1])
+    faces("--rate=2")
+    assert len(files.sound()[1]) < 0.75 * slow
+
+
+@pytest.mark.parametrize("text", ["", "  \n", "...", "🙂", "\x00\x07"])
+def test_nothing_to_say_writes_empty_files(text: str, files: Files) -> None:
+    assert main(["say", text, *files.options]) == 0
+    assert len(files.sound()[1]) == 0
+    assert files.fap.read_text(encoding="ascii").split()[:4] == ["2.1", "a", "25", "0"]
+    assert files.described()["marks"] == []
+
+
+def test_an_argument_that_is_no_unicode(files: Files) -> None:
+    assert main(["say", "one \udcff two", *files.options]) == 0
+    words = [m["text"] for m in files.described()["marks"] if m["kind"] == "word"]
+    assert words == ["one", "two"]
+
+
+class Pipe:
+    """Standard input as a pipe that already holds everything."""
+
+    def __init__(self, data: bytes) -> None:
+        self._read, write = os.pipe()
+        os.write(write, data)
+        os.close(write)
+
+    def fileno(self) -> int:
+        return self._read
+
+
+def test_text_from_stdin(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(say, "READ_BYTES", 3)
+    monkeypatch.setattr("sys.stdin", Pipe("Καλημέρα κόσμε. \xff".encode()[:-2] + b"\xff \xce"))
+    assert main(["say", "-", "--lang", "el", *files.options]) == 0
+    words = [m["text"] for m in files.described()["marks"] if m["kind"] == "word"]
+    assert words[:2] == ["Καλημέρα", "κόσμε"]
+
+
+def test_more_text_than_may_wait(files: Files) -> None:
+    assert main(["say", " " * 300_000 + "yes.", *files.options]) == 0
+    [word] = [m for m in files.described()["marks"] if m["kind"] == "word"]
+    assert (word["text"], word["char_start"]) == ("yes", 300_000)
+
+
+class SilentPlayer:
+    """A device on which everything has been heard at once."""
+
+    def __init__(self, sample_rate: int) -> None:
+        self.sample_rate = sample_rate
+        self.given = self.heard = 0
+        self.idle = True
+        self.closed = False
+        PLAYERS.append(self)
+
+    def write(self, pcm: Pcm) -> None:
+        self.given += len(pcm)
+        self.heard = self.given
+
+    def close(self) -> None:
+        self.closed = True
+
+
+PLAYERS: list[SilentPlayer] = []
+
+
+def test_playing(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(say, "Player", SilentPlayer)
+    PLAYERS.clear()
+    assert main(["say", "Hello."]) == 0
+    assert main(["say", "Hello.", "--play", f"--wav={files.wav}"]) == 0
+    assert [p.closed for p in PLAYERS] == [True, True]
+    assert PLAYERS[0].given == PLAYERS[1].given == len(files.sound()[1])
+
+
+def test_no_way_to_play_exits_1(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def player(_: int) -> None:
+        raise AudioUnavailable("no sound device can be opened; write a file with --wav")
+
+    monkeypatch.setattr(say, "Player", player)
+    assert main(["say", "Hello."]) == 1
+    assert capsys.readouterr().err == "fapstream: no sound device can be opened; write a file with --wav\n"
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [(["--voice", "nobody"], "no voice called 'nobody'"), (["--voice", "us1", "--lang", "el"], "us1"),
+     (["--wav", "/nowhere/at/all.wav"], "/nowhere/at/all.wav"),
+     (["--fap", "/nowhere/at/all.fap"], "all.fap")],
+)  # fmt: skip
+def test_what_cannot_be_done_exits_1(
+    argv: list[str], message: str, files: Files, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["say", "Hello.", f"--marks={files.marks}", *argv]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("fapstream: ")
+    assert message in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "argv", [[], ["a", "--fps", "30"], ["a", "--lang", "xx"], ["a", "--rate", "0.1"], ["a", "--rate", "nan"],
+             ["a", "b"], ["a", "--seed", "x"]],
+)  # fmt: skip
+def test_a_wrong_call_exits_2(argv: list[str]) -> None:
+    try:
+        status: object = main(["say", *argv])
+    except SystemExit as e:
+        status = e.code
+    assert status == 2
+
+
+def test_stdin_is_not_read_for_a_text_given(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("never"))
+    assert main(["say", "Hello.", *files.options]) == 0
