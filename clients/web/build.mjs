@@ -1,13 +1,18 @@
-/** Builds the client into the server's package and says how large it is; fails above the limit. */
+/**
+ * Builds the client into the server's package, or the folder given, and says how large it is; fails above the limit.
+ */
 
 import { readdirSync, readFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
 import { build } from "vite";
 
 const LIMIT_KB = 200;
-const OUT = new URL("../../fapstream/server/web/", import.meta.url);
+const FOLDER = resolve(process.argv[2] ?? `${import.meta.dirname}/../../fapstream/server/web`);
+const OUT = pathToFileURL(`${FOLDER}/`);
 
-await build({ root: import.meta.dirname, logLevel: "warn" });
+await build({ root: import.meta.dirname, logLevel: "warn", build: { outDir: FOLDER, emptyOutDir: true } });
 
 if (/\b(import|export)\b/.test(readFileSync(new URL("fap-worklet.js", OUT), "utf-8"))) {
   throw new Error("fap-worklet.js has to stand alone: some browsers load no modules into a worklet");

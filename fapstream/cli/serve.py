@@ -7,12 +7,14 @@ import asyncio
 import logging
 import signal
 import sys
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.pool import VoicePool
-from fapstream.errors import SynthesisError
-from fapstream.server import Service, Site, running
+from fapstream.errors import InputError, SynthesisError
+from fapstream.head.gltf import read_head
+from fapstream.server import Service, Site, packaged_heads, running
 from fapstream.tts import LANGUAGES
 
 HELP = "serve the page and the talking head"
@@ -30,8 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--lang", choices=LANGUAGES, default=LANGUAGES[0], help="language for turns that name none"
     )
     parser.add_argument(
-        "--head", type=Path, action="append", default=[], metavar="F.glb", help="serve this head as well"
-    )
+        "--head", action="append", default=[], metavar="NAME|F.glb",
+        help="head that pages show unless they ask for another; more can be given and asked for by name",
+    )  # fmt: skip
     parser.add_argument("--verbose", action="store_true", help="log every connection")
 
 
@@ -40,18 +43,34 @@ def run(args: argparse.Namespace) -> int:
     logging.basicConfig(
         level=logging.INFO if args.verbose else logging.WARNING, format="%(asctime)s %(name)s %(message)s"
     )
-    for head in args.head:
-        with head.open("rb"):
-            pass
-    asyncio.run(_serve(args))
+    asyncio.run(_serve(args, chosen_heads(args.head)))
     return 0
 
 
-async def _serve(args: argparse.Namespace) -> None:
+def chosen_heads(wishes: list[str]) -> dict[str, Traversable]:
+    """Head files by name: paths to GLB files, or names of heads in the package.
+
+    Raises OSError, DataError for a file that is no head, InputError for a name that there is not.
+    """
+    packaged = packaged_heads()
+    found: dict[str, Traversable] = {}
+    for wish in wishes:
+        path = Path(wish)
+        if path.suffix == ".glb":
+            read_head(path.read_bytes(), wish)
+            found[path.stem] = path
+        elif wish in packaged:
+            found[wish] = packaged[wish]
+        else:
+            raise InputError(f"no head called {wish!r}; there are {', '.join(packaged)}, or a file F.glb")
+    return found
+
+
+async def _serve(args: argparse.Namespace, heads: dict[str, Traversable]) -> None:
     pool = VoicePool()
     if args.voice:
         pool.find(args.voice, None)
-    site = Site({head.stem: head for head in args.head})
+    site = Site(heads)
     service = Service(pool, MonotonicClock(), lambda: site.heads, args.lang, args.voice)
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()

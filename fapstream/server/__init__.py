@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from fapstream.server.app import running
 from fapstream.server.connection import Service
-from fapstream.server.http import Site
+from fapstream.server.http import Site, packaged_heads
 
-__all__ = ["Service", "Site", "running"]
+__all__ = ["Service", "Site", "packaged_heads", "running"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -23,6 +24,7 @@ TYPES = {
 
 PAGE = re.compile(r"/([a-z0-9][a-z0-9.-]{0,63})?")
 GZIP = re.compile(r"\bgzip\b(?!\s*;\s*q=0(\.0*)?\s*(,|$))")
+DEFAULT_HEAD = "default"
 HEAD = re.compile(r"/heads/([A-Za-z0-9][A-Za-z0-9_-]{0,63})\.glb")
 
 
@@ -47,16 +49,20 @@ class Answer:
 
 
 class Site:
-    """What can be fetched. `heads`: more head files by name, beside those in the package."""
+    """What can be fetched. `heads`: head files by name, put before those in the package.
 
-    def __init__(self, heads: dict[str, Path] | None = None) -> None:
+    The first head is also found as `default`.
+    """
+
+    def __init__(self, heads: Mapping[str, Traversable] | None = None) -> None:
         """Raises InputError for a name that no address could have."""
         for name in heads or ():
             if not HEAD.fullmatch(f"/heads/{name}.glb"):
                 raise InputError(
                     f"a head cannot be called {name!r}: letters, digits, `-` and `_`, at most 64"
                 )
-        self._heads: dict[str, Traversable] = {**packaged_heads(), **(heads or {})}
+        own = dict(heads or {})
+        self._heads = {**own, **{n: f for n, f in packaged_heads().items() if n not in own}}
 
     @property
     def heads(self) -> tuple[str, ...]:
@@ -86,7 +92,7 @@ class Site:
 
     def _find(self, path: str) -> Traversable | None:
         if match := HEAD.fullmatch(path):
-            return self._heads.get(match[1])
+            return self._heads.get(self.heads[0] if match[1] == DEFAULT_HEAD else match[1])
         if match := PAGE.fullmatch(path):
             return _pages().get(match[1] or "index.html")
         return None

@@ -51,7 +51,7 @@ def has_onset(packet: Packet) -> bool:
 
 
 async def trickle_ms(talker: Talker) -> tuple[float, float]:
-    """Text at 5 words/s: ms from the first word's sending to its onset packet, and to the third word's sending."""
+    """Text at 5 words/s: ms from sending the first word to its onset packet, and to the third word."""
     turn = await talker.speak()
     start = time.perf_counter()
     third = 2 / WORDS_PER_S

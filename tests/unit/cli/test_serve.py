@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from fapstream.cli import main
-from fapstream.cli.serve import _shown
+from fapstream.cli.serve import _shown, chosen_heads
 from fapstream.client import connect
+from fapstream.errors import DataError, InputError
 from fapstream.records import Packet
 
 
@@ -105,3 +106,17 @@ def test_a_wrong_call_exits_2(argv: list[str]) -> None:
 )
 def test_the_address_shown_can_be_opened(host: str, shown: str) -> None:
     assert _shown(host) == shown
+
+
+def test_heads_are_files_or_names(tmp_path: Path) -> None:
+    generic = chosen_heads(["generic"])["generic"]
+    mine = tmp_path / "mine.glb"
+    mine.write_bytes(generic.read_bytes())
+    assert list(chosen_heads([str(mine), "generic"])) == ["mine", "generic"]
+    mine.write_bytes(b"glTF")
+    with pytest.raises(DataError, match=r"mine\.glb"):
+        chosen_heads([str(mine)])
+    with pytest.raises(InputError, match="generic"):
+        chosen_heads(["nobody"])
+    with pytest.raises(FileNotFoundError):
+        chosen_heads([str(tmp_path / "none.glb")])

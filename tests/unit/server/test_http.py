@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fapstream.errors import InputError
 from fapstream.server import http
-from fapstream.server.http import Answer, Site, packaged_heads
+from fapstream.server.http import Answer, Site
 
 
 @pytest.fixture(scope="module")
@@ -128,10 +128,12 @@ def test_not_modified(site: Site) -> None:
     assert header(site.answer("/heads/generic.glb"), "ETag") != tag
 
 
-def test_the_generic_head_comes_first_and_others_are_added(site: Site) -> None:
-    assert next(iter(packaged_heads())) == "generic"
-    assert site.heads[0] == "generic"
-    assert site.heads[-1] == "mine"
+def test_the_generic_head_is_the_default_unless_there_are_others(site: Site, heads: dict[str, Path]) -> None:
+    assert Site().heads[0] == "generic"
+    assert Site().answer("/heads/default.glb").body == Site().answer("/heads/generic.glb").body
+    assert site.heads[0] == "mine"
+    assert "generic" in site.heads
+    assert site.answer("/heads/default.glb").body == heads["mine"].read_bytes()
 
 
 def test_a_head_of_ones_own_may_take_the_place_of_a_packaged_one(heads: dict[str, Path]) -> None:
