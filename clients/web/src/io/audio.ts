@@ -7,12 +7,19 @@ import type { Command, Report } from "../stream/player";
 /** Why there can be no sound here; for people. */
 export class SoundUnavailable extends Error {}
 
+/**
+ * Nobody needs sound for so long: the context goes to sleep. Not at once, because Chromium's can stall
+ * for good when it is put to sleep and woken in a row.
+ */
+const SLEEP_MS = 5000;
+
 /** The page's one AudioContext, made when the first head needs it and asleep while there is none. */
 class Hub {
   readonly context: AudioContext;
   private readonly clock = new OutputClock();
   private readonly modules = new Map<string, Promise<void>>();
   private users = 0;
+  private bedtime: ReturnType<typeof setTimeout> | undefined;
 
   constructor() {
     this.context = new AudioContext({ latencyHint: "interactive" });
@@ -28,7 +35,13 @@ class Hub {
   }
 
   leave(): void {
-    if (--this.users === 0) void this.context.suspend().catch(() => undefined);
+    this.users--;
+    clearTimeout(this.bedtime);
+    this.bedtime = setTimeout(() => this.sleep(), SLEEP_MS);
+  }
+
+  private sleep(): void {
+    if (!this.users) void this.context.suspend().catch(() => undefined);
   }
 
   /** Browsers allow this only after the user has done something. */
