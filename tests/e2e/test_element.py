@@ -24,6 +24,23 @@ addEventListener("load", () => {
 """
 """The page itself must speak: what a test evaluates counts as the user's doing."""
 
+HIDE_AND_SPEAK = """
+async () => {
+  const head = document.querySelector("#head");
+  Object.defineProperty(document, "hidden", { value: true, configurable: true });
+  document.dispatchEvent(new Event("visibilitychange"));
+  const canvas = head.shadowRoot.querySelector("canvas");
+  const draw = WebGL2RenderingContext.prototype.drawElements;
+  let frames = new Set();
+  WebGL2RenderingContext.prototype.drawElements = function (...a) {
+    if (this.canvas === canvas) frames.add(performance.now() >> 4);
+    return draw.apply(this, a);
+  };
+  const end = await head.speak("Nobody sees me now.", { lang: "en" }).finished;
+  return [frames.size, end.reason];
+}
+"""
+
 CONNECTED = "document.querySelector('#head').server !== null"
 
 
@@ -147,6 +164,25 @@ async def test_interrupt_tells_what_was_heard(
     assert not text[end["char"]].isalpha()
     tail = np.abs(pcm[-len(pcm) // 10 :].astype(int))
     assert tail.max() < 300
+
+
+async def test_it_follows_its_size(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
+    """The picture has the element's size in the screen's own pixels, and changes with it."""
+    page = await open_page(browser)
+    await embed(page, elsewhere, address, address)
+    size = "(() => { const c = document.querySelector('#head').shadowRoot.querySelector('canvas');"
+    assert await page.evaluate(f"{size} return [c.width, c.height]; }})()") == [320, 320]
+    await page.evaluate("document.querySelector('#head').style.cssText = 'width:200px;height:160px'")
+    await page.wait_for_function(f"{size} return c.width === 200 && c.height === 160; }})()")
+
+
+async def test_a_hidden_page_speaks_on(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
+    """Nothing is drawn while nobody can see it; the turn is heard to its end all the same."""
+    page = await open_page(browser)
+    await embed(page, elsewhere, address, address)
+    drawn, reason = await page.evaluate(HIDE_AND_SPEAK)
+    assert reason == "end"
+    assert drawn <= 1
 
 
 async def test_reduced_motion_keeps_still(
