@@ -10,8 +10,9 @@ from __future__ import annotations
 import asyncio
 import os
 from collections import deque
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 from shutil import which
 
@@ -180,9 +181,8 @@ class MbrolaSynthesizer:
         if not utterance.phones:
             return
         lines, ends = self._realiser.lines(utterance.phones)
-        origin = self._planned + self._voice.period
-        start = origin
-        for phone, end in zip(utterance.phones, ends, strict=True):
+        start = origin = self._planned + self._voice.period
+        for phone, end in zip(utterance.phones, self._heard(utterance.phones, ends), strict=True):
             word = utterance.words[phone.word] if phone.word >= 0 else None
             self._phones.append(TimedPhone(phone, start, origin + end, word))
             start = origin + end
@@ -191,6 +191,15 @@ class MbrolaSynthesizer:
         if utterance.closed:
             await self._send(FLUSH, 0)
         self._came.set()
+
+    def _heard(self, phones: Sequence[Phone], ends: Sequence[int]) -> list[int]:
+        """Boundaries moved to where the database's own lie in its sound, by at most half a phone."""
+        heard = list(ends)
+        for i, (left, right) in enumerate(pairwise(phones)):
+            shift = self._voice.heard_shift(left.name, right.name)
+            most = (ends[i] - (ends[i - 1] if i else 0)) // 2
+            heard[i] += max(shift, -most) if shift < 0 else min(shift, (ends[i + 1] - ends[i]) // 2)
+        return heard
 
     async def flush(self) -> None:
         """See the port."""

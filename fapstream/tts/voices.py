@@ -28,7 +28,7 @@ class Voice:
     `phones`: language phone -> voice phones (eSpeak NG: its mnemonics), the identity where absent.
     `rules`: contextual realisations, over the characters of `code`. `stand_ins`: voice phones that may take
     another's place, best first. `missing`: left voice phone -> right ones that the database cannot join
-    to it.
+    to it. `heard_ms`: classes of two neighbours -> how much later their boundary is heard than it is marked.
     """
 
     name: str
@@ -47,6 +47,12 @@ class Voice:
     rules: RuleSet = field(repr=False, compare=False)
     stand_ins: Mapping[str, tuple[str, ...]] = field(repr=False)
     missing: Mapping[str, frozenset[str]] = field(repr=False)
+    heard_ms: Mapping[tuple[str, str], float] = field(repr=False)
+
+    def heard_shift(self, left: str, right: str) -> int:
+        """Samples from where the database puts the boundary of two language phones to where it is heard."""
+        kinds = phone_set(self.lang)[left].kind, phone_set(self.lang)[right].kind
+        return round(self.heard_ms.get(kinds, 0.0) * self.sample_rate / 1000)
 
     def joins(self, left: str, right: str) -> bool:
         """Whether the database has this diphone."""
@@ -105,6 +111,7 @@ def _voice(path: str, table: dict[str, Any]) -> Voice:
         rules=_rules(path, table),
         stand_ins={name: tuple(other.split()) for name, other in table.get("stand_ins", {}).items()},
         missing=missing,
+        heard_ms={(k.split()[0], k.split()[1]): float(v) for k, v in table.get("heard_ms", {}).items()},
     )
 
 

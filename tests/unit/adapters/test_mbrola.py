@@ -110,7 +110,8 @@ async def test_the_program_owes_less_than_a_period_for_ever(name: str, n: int) -
 
 @pytest.mark.parametrize("name", VOICES)
 async def test_marks_and_length(pool: MbrolaPool, name: str) -> None:
-    """Phones follow each other from sample P on, as long as they wish; the sound ends in their last pause."""
+    """Phones follow each other from sample P on, as long as they wish, but for what the voice's table says
+    of its database; the sound ends in their last pause."""
     v = voice(name)
     utterances = [utterance(name, 30, seed) for seed in range(3)]
     pcm, phones = await turn(pool, name, utterances)
@@ -124,7 +125,9 @@ async def test_marks_and_length(pool: MbrolaPool, name: str) -> None:
     for u, k in zip(utterances, range(0, 93, 31), strict=True):
         for i, p in enumerate(u.phones):
             at += p.duration_ms * v.sample_rate / 1000
-            assert phones[k + i].end == pytest.approx(at, abs=2)
+            shift = v.heard_shift(p.name, u.phones[i + 1].name) if i + 1 < len(u.phones) else 0
+            low, high = sorted((at, at + shift))
+            assert low - 2 <= phones[k + i].end <= high + 2
     planned = phones[-1].end - v.period
     assert len(pcm) == planned - v.period
     assert np.abs(pcm).max() > 3000

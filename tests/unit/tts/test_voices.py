@@ -54,3 +54,11 @@ def test_codes_are_distinct_characters(lang: str) -> None:
     codes = phone_codes(lang)
     assert len(set(codes.values())) == len(codes)
     assert all(len(c) == 1 for c in codes.values())
+
+
+def test_where_boundaries_are_heard() -> None:
+    gr2 = voice("gr2")
+    assert gr2.heard_shift("a", "t") == round(-0.015 * 22050)
+    assert gr2.heard_shift("p", "a") == round(-0.020 * 22050)
+    assert gr2.heard_shift("a", "s") == gr2.heard_shift("_", "a") == 0
+    assert voice("us1").heard_shift("A", "t") == 0
