@@ -6,7 +6,6 @@ import argparse
 import asyncio
 import codecs
 import json
-import os
 import sys
 import wave
 from contextlib import ExitStack, aclosing
@@ -16,6 +15,7 @@ from typing import Any
 from fapstream.adapters.audio import Player
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.record import PhoRecorder
+from fapstream.adapters.stdin import READ_BYTES, chunks
 from fapstream.cli.arguments import rate, unicode_text
 from fapstream.errors import InputError
 from fapstream.fap import format_fap
@@ -25,7 +25,6 @@ from fapstream.talk import Talk
 from fapstream.tts import LANGUAGES, FrontEnd
 
 HELP = "say a text into files or aloud"
-READ_BYTES = 4096
 PLAY_LEAD_S = 0.3
 
 
@@ -106,9 +105,8 @@ async def _feed(talk: Talk, text: str) -> None:
         for at in range(0, len(text), READ_BYTES):
             await _feed_when_room(talk, text[at : at + READ_BYTES])
     else:
-        loop = asyncio.get_running_loop()
         decoder = codecs.getincrementaldecoder("utf-8")("replace")
-        while data := await loop.run_in_executor(None, os.read, sys.stdin.fileno(), READ_BYTES):
+        async for data in chunks(sys.stdin.fileno()):
             await _feed_when_room(talk, decoder.decode(data))
         await _feed_when_room(talk, decoder.decode(b"", True))
     talk.end()

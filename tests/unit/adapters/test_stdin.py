@@ -1,0 +1,54 @@
+"""Reading that neither blocks the loop nor the end of the program."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from fapstream.adapters.stdin import AHEAD, READ_BYTES, chunks
+
+
+async def test_it_gives_what_comes_when_it_comes() -> None:
+    out, into = os.pipe()
+    stream = chunks(out)
+    for piece in (b"one", "δύο".encode()[:1], "δύο".encode()[1:]):
+        os.write(into, piece)
+        assert await asyncio.wait_for(anext(stream), 5) == piece
+    os.close(into)
+    with pytest.raises(StopAsyncIteration):
+        await asyncio.wait_for(anext(stream), 5)
+    os.close(out)
+
+
+async def test_a_file_is_read_whole_and_not_far_ahead(tmp_path: Path) -> None:
+    path = tmp_path / "text"
+    path.write_bytes(os.urandom(READ_BYTES * (AHEAD + 6) + 5))
+    with path.open("rb") as file:
+        stream = chunks(file.fileno())
+        first = await anext(stream)
+        await asyncio.sleep(0.05)
+        assert file.tell() <= READ_BYTES * (AHEAD + 1)
+        assert first + b"".join([data async for data in stream]) == path.read_bytes()
+
+
+async def test_what_cannot_be_read_is_said() -> None:
+    out, into = os.pipe()
+    os.close(into)
+    os.close(out)
+    with pytest.raises(OSError, match="descriptor"):
+        await anext(chunks(out))
+
+
+def test_a_program_that_waits_for_input_can_be_interrupted() -> None:
+    command = [sys.executable, "-m", "fapstream", "say", "-", "--wav", os.devnull]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(10) == 130
