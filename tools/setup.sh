@@ -9,14 +9,15 @@ die() { printf 'fapstream: %s\n' "$*" >&2; exit 1; }
 
 debian_like() { command -v apt-get >/dev/null && [ -r /etc/os-release ] && grep -qiE '^ID(_LIKE)?=.*(debian|ubuntu)' /etc/os-release; }
 
-# as_root "what for" command...: runs it as root if we are root, or if a person at the terminal agrees to sudo.
+# as_root "what" command...: runs it as root if we are root, or if a person at the terminal agrees to sudo.
 as_root() {
-  local why=$1
+  local what=$1
   shift
   if [ "$(id -u)" = 0 ]; then
+    say "installing $what"
     "$@"
   elif command -v sudo >/dev/null && [ -t 0 ] && [ -t 2 ]; then
-    read -r -p "$why needs root. Use sudo? [y/N] " answer
+    read -r -p "Installing $what needs root. Use sudo? [y/N] " answer
     case $answer in [yY]*) sudo "$@" ;; *) return 1 ;; esac
   else
     return 1
@@ -27,8 +28,7 @@ apt_install() { # apt_install "what for" package...
   local why=$1
   shift
   debian_like || return 1
-  say "installing $* ($why)"
-  as_root "Installing $*" bash -c '
+  as_root "$* ($why)" bash -c '
     export DEBIAN_FRONTEND=noninteractive
     apt-get install -y -qq --no-install-recommends "$@" >/dev/null 2>&1 ||
       { apt-get update -qq && apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }' apt "$@"
@@ -68,15 +68,12 @@ have_voices() { command -v mbrola >/dev/null && ls /usr/share/mbrola/{us1,en1,gr
 # MBROLA and its voices are in Debian's contrib and non-free. Only for this one installation, the machine's own
 # sources are read with those components; nothing in /etc/apt is changed.
 install_voices() {
+  local refused=$venv/.fapstream-no-mbrola
   have_voices && return
-  if ! debian_like || [ -e "$venv/.fapstream-no-mbrola" ]; then
-    say "MBROLA is not installed: the embedded voice (eSpeak NG) serves instead"
-    return
+  if debian_like && [ ! -e "$refused" ]; then
+    as_root "MBROLA and the voices us1 en1 gr1 gr2 (their licences forbid shipping them)" \
+      bash "$root/tools/install_voices.sh" && have_voices && return
+    touch "$refused"
   fi
-  say "installing MBROLA and the voices us1 en1 gr1 gr2 (their licences forbid shipping them)"
-  if as_root "Installing MBROLA and its voices" bash "$root/tools/install_voices.sh" && have_voices; then
-    return
-  fi
-  touch "$venv/.fapstream-no-mbrola"
-  say "MBROLA could not be installed: the embedded voice (eSpeak NG) serves instead (delete .venv/.fapstream-no-mbrola to try again)"
+  say "MBROLA is not installed: the embedded voice (eSpeak NG) serves instead (to be asked again: rm $refused)"
 }
