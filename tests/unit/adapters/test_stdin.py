@@ -46,9 +46,15 @@ async def test_what_cannot_be_read_is_said() -> None:
         await anext(chunks(out))
 
 
+def heed_interrupts() -> None:
+    """Programs started in the background are made to ignore them; this one shall not."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_a_program_that_waits_for_input_can_be_interrupted() -> None:
     command = [sys.executable, "-m", "fapstream", "say", "-", "--wav", os.devnull]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stderr=pipe, preexec_fn=heed_interrupts) as process:
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
         assert process.wait(10) == 130
