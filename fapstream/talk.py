@@ -138,13 +138,15 @@ class Talk:
         return self._pipeline.planned - self._pipeline.produced > AHEAD_S * self._rate
 
     async def _wait_for_text(self) -> None:
-        if not self._too_far_ahead():
-            self._text_came.clear()
-        stalling = self._pipeline.pending_words or self._open or self._text
-        with suppress(TimeoutError):
-            await asyncio.wait_for(self._text_came.wait(), STALL_S if stalling else None)
         if self._too_far_ahead():
             await asyncio.sleep(STALL_S)
+            return
+        self._text_came.clear()
+        stalling = self._pipeline.pending_words or self._open
+        # not wait_for: it may lose a cancellation that comes together with the text (until Python 3.12)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(STALL_S if stalling else None):
+                await self._text_came.wait()
 
     async def _speak_what_stalls(self) -> None:
         """When the listener is about to run dry: speak the words there are, then the voice's remainder."""

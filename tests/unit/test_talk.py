@@ -254,6 +254,25 @@ async def test_the_voice_is_not_driven_far_ahead_of_the_listener() -> None:
     await talk.aclose()
 
 
+@pytest.mark.parametrize("steps", range(0, 40))
+@in_virtual_time
+async def test_it_can_be_stopped_at_any_step_while_the_voice_is_far_ahead(steps: int) -> None:
+    """All the text has come and most of it waits: no moment is wrong for an interrupt."""
+    voice = FakeVoice(RATE)
+    talk = build(voice)
+    talk.feed("one two three four five six. " * 200)
+    talk.end()
+    async with aclosing(talk.packets()) as packets:
+        async for packet in packets:
+            if packet.start > RATE:
+                break
+    for _ in range(steps):
+        await asyncio.sleep(0)
+    async with asyncio.timeout(10):
+        await talk.aclose()
+    assert voice.closes == 1
+
+
 @in_virtual_time
 async def test_heard_char() -> None:
     talk = build(FakeVoice(RATE))

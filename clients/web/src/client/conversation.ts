@@ -15,7 +15,7 @@ const ACK_MS = 250;
 const PING_MS = 10_000;
 const SILENT_MS = 30_000;
 /** Errors after which the server has forgotten the turn they name. */
-const REFUSALS = new Set(["too_many_turns", "unknown_voice", "unknown_language", "voice_unavailable", "turn_order"]);
+const REFUSALS = new Set(["too_many_turns", "unknown_voice", "unknown_language", "voice_unavailable"]);
 
 export interface Ports {
   send(data: Uint8Array<ArrayBuffer>): void;
