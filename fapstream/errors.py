@@ -64,6 +64,15 @@ class DataError(FapstreamError):
         self.reason = reason
 
 
+class BitstreamError(DataError):
+    """A binary stream breaks its syntax; says at which bit."""
+
+    def __init__(self, path: str, bit: int, reason: str) -> None:
+        super().__init__(f"{path}, byte {bit // 8} bit {bit % 8}", None, reason)
+        self.path = path
+        self.bit = bit
+
+
 class ProtocolError(FapstreamError):
     """The conversation broke the contract in protocol/SPEC.md."""
 

@@ -95,12 +95,40 @@ class FapFrame:
     """The facial animation parameters that hold at one sample.
 
     `values` is int32 of shape (68,): FAP n is at n-1, in FAP units (see FAPU in fap/).
-    FAP 1 and FAP 2 are composite in MPEG-4; frames made here carry the low-level FAPs 3-68 and
-    leave both 0.
+    Only the low-level FAPs 3-68 travel between the rooms; 1 and 2 are composite (below) and 0 here.
     """
 
     sample: int
     values: NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True)
+class VisemeFap:
+    """FAP 1: viseme 1 with weight blend/63, viseme 2 with the rest (ISO/IEC 14496-2, visemes).
+
+    Selects are 0 (none) to 14, `blend` is 0-63. `define`: the mouth's FAPs sent along define viseme 1.
+    """
+
+    select1: int = 0
+    select2: int = 0
+    blend: int = 0
+    define: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ExpressionFap:
+    """FAP 2: the sum of two expressions, each with an intensity of 0-63 (ISO/IEC 14496-2, expressions).
+
+    Selects are 0 (none) to 6, joy is 1. `init_face`: the neutral face is modified. `define`: the FAPs
+    sent along define expression 1.
+    """
+
+    select1: int = 0
+    intensity1: int = 0
+    select2: int = 0
+    intensity2: int = 0
+    init_face: bool = False
+    define: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from fapstream.adapters.record import PhoRecorder
 from fapstream.adapters.stdin import READ_BYTES, chunks
 from fapstream.cli.arguments import rate, unicode_text
 from fapstream.errors import InputError
-from fapstream.fap import format_fap
+from fapstream.fap import FapSequence, format_fap
 from fapstream.pipeline import Pipeline
 from fapstream.records import FapFrame, Mark, Packet, TurnFormat
 from fapstream.talk import Talk
@@ -147,9 +147,8 @@ class Sink:
         """Write what needs the whole turn."""
         args = self._args
         if args.fap:
-            args.fap.write_text(
-                format_fap(self._frames, args.fap.stem, self._turn.fps), encoding="ascii", errors="replace"
-            )
+            sequence = FapSequence.of(self._frames, args.fap.stem, self._turn.fps)
+            args.fap.write_text(format_fap(sequence), encoding="ascii", errors="replace")
         if args.marks:
             args.marks.write_text(
                 json.dumps(self._described(), ensure_ascii=False, indent=1), encoding="utf-8"

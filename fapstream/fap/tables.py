@@ -65,6 +65,51 @@ def expressions() -> dict[str, NDArray[np.float64]]:
     return table
 
 
+@cache
+def coding_ranges() -> NDArray[np.int32]:
+    """Default ranges of FBA predictive coding, int32 (68, 2): magnitude in I frames, in P frames.
+
+    In quantised units: times the FAP's `quant` they are FAP units. 0 for FAPs 1 and 2.
+    """
+    table = np.zeros((N_FAPS, 2), np.int32)
+    for number, line in enumerate(_read("coding.tsv").splitlines(), 1):
+        if line.strip() and not line.startswith("#"):
+            try:
+                fap, i_reach, p_reach = map(int, line.split("\t"))
+            except ValueError:
+                fap = 0
+            if not 3 <= fap <= N_FAPS:
+                raise DataError("coding.tsv", number, f"{line!r} is not a low-level FAP, I and P range")
+            table[fap - 1] = i_reach, p_reach
+    return table
+
+
+@cache
+def limits() -> NDArray[np.float64]:
+    """How far a living face goes: lowest and highest value of each FAP, shape (68, 2), FAP units.
+
+    Anatomy, not coding ranges. Rows of FAPs 1 and 2, which are selections, are 0. Raises DataError.
+    """
+    name = "limits.tsv"
+    table = np.full((N_FAPS, 2), np.nan)
+    table[:2] = 0.0
+    for number, line in enumerate(_read(name).splitlines(), 1):
+        if not line.strip() or line.startswith(("#", "fap\t")):
+            continue
+        try:
+            fap, low, high, _ = line.split("\t")
+            index, pair = int(fap), (float(low), float(high))
+        except ValueError as e:
+            raise DataError(name, number, str(e)) from None
+        if not 3 <= index <= N_FAPS or not pair[0] <= 0 <= pair[1] or pair[0] == pair[1]:
+            raise DataError(name, number, "expected a FAP of 3 to 68 and limits on both sides of 0")
+        table[index - 1] = pair
+    absent = np.flatnonzero(np.isnan(table[:, 0])) + 1
+    if absent.size:
+        raise DataError(name, None, f"no row for FAP {', '.join(map(str, absent))}")
+    return table
+
+
 def _read(name: str) -> str:
     return resources.files("fapstream.fap").joinpath("data", name).read_text(encoding="utf-8")
 

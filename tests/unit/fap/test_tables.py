@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fapstream.errors import DataError
 from fapstream.fap import tables
-from fapstream.fap.tables import EXPRESSIONS, N_VISEMES, expressions, faps, visemes
+from fapstream.fap.tables import EXPRESSIONS, N_VISEMES, expressions, faps, limits, visemes
 
 SCHEMA = Path(__file__).parents[3] / "protocol" / "schema" / "faps.json"
 
@@ -95,3 +95,57 @@ def test_missing_or_more_expressions_are_told(
     from_text(monkeypatch, "".join(f"{name}\t3=1\n" for name in names))
     with pytest.raises(DataError, match=r"^expressions\.tsv: expected exactly joy"):
         expressions.__wrapped__()
+
+
+def test_limits_are_anatomy_within_the_coding_ranges() -> None:
+    """Right and left alike, either way only where the FAP goes both ways, the neutral face within."""
+    table = limits()
+    assert table.shape == (68, 2)
+    assert not table[:2].any()
+    assert (table[2:, 0] <= 0).all()
+    assert (table[2:, 1] > 0).all()
+    one_way = [f.fap - 1 for f in faps() if f.directions == 1 and f.fap > 2]
+    assert not table[one_way, 0].any()
+    assert np.abs(table[18:22]).max() >= 500, "lids close"
+    for left, right in ((6, 7), (8, 9), (10, 11), (12, 13), (19, 20), (31, 32), (41, 42), (53, 54), (65, 66)):
+        assert table[left - 1].tolist() == table[right - 1].tolist()
+
+
+def test_visemes_and_expressions_are_within_the_limits() -> None:
+    low, high = limits().T
+    for row in (*visemes(), *expressions().values()):
+        assert (row >= low).all()
+        assert (row <= high).all()
+
+
+@pytest.mark.parametrize(
+    "row", ["3\t0\t1600", "2\t0\t1\twhy", "69\t0\t1\twhy", "3\t10\t20\twhy", "3\t0\t0\twhy", "3\tx\t1\twhy"]
+)
+def test_a_bad_limit_names_its_line(row: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "_read", lambda _: f"# c\nfap\tlow\thigh\twhy\n{row}\n")
+    with pytest.raises(DataError, match=r"limits\.tsv:3: "):
+        limits.__wrapped__()
+
+
+def test_a_missing_limit_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "_read", lambda _: "3\t0\t1600\twhy\n")
+    with pytest.raises(DataError, match="no row for FAP 4, 5"):
+        limits.__wrapped__()
+
+
+def test_coding_ranges() -> None:
+    """Some rows of the standard's table, in quantised units; FAPs 1 and 2 are coded otherwise."""
+    ranges = tables.coding_ranges()
+    assert ranges.shape == (68, 2)
+    assert not ranges[:2].any()
+    rows = {3: (1080, 360), 5: (1860, 600), 18: (420, 180), 23: (1200, 420), 48: (1860, 600), 63: (680, 180)}
+    assert {fap: tuple(ranges[fap - 1].tolist()) for fap in rows} == rows
+    assert (ranges[2:, 0] > ranges[2:, 1]).all()
+    assert (ranges[2:, 1] >= 60).all()
+
+
+@pytest.mark.parametrize("row", ["3", "3\t1", "3\tx\t1", "69\t1\t1", "0\t1\t1", "3 1 1"])
+def test_a_bad_coding_range_names_its_line(row: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from_text(monkeypatch, f"# comment\n{row}\n")
+    with pytest.raises(DataError, match=r"^coding\.tsv:2: "):
+        tables.coding_ranges.__wrapped__()
