@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.errors import DataError, UnknownLanguage
-from fapstream.fap import N_VISEMES, expressions, visemes
+from fapstream.fap import N_VISEMES, visemes
+from fapstream.motion.closure import BITTEN, CLOSED
+from fapstream.motion.mixer import Mouth
 from fapstream.records import N_FAPS, SILENCE, TimedPhone
 
 MAX_BLEND = 63
@@ -20,11 +22,12 @@ MAX_BLEND = 63
 REST_MS = 120
 """In a pause the mouth takes this long to come to rest, and as long to leave it."""
 
-EASE_MS = 250
-"""An expression takes this long to come and to go."""
-
 MAX_HALF_HOLD = 0.45
 """A shape is kept for no more than this part of its phone on either side."""
+
+SPEAKS, SEAL, BITE = N_FAPS, N_FAPS + 1, N_FAPS + 2
+N_CHANNELS = N_FAPS + 3
+"""What keyframes hold: FAP n at n-1, then how much (0 to 1) the mouth speaks, lips meet, lip meets teeth."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +36,7 @@ class Target:
 
     at: float
     values: NDArray[np.float64]
-    """Low-level FAPs, shape (68,), FAP units."""
+    """Shape (N_CHANNELS,), FAP units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +50,33 @@ class PhoneShape:
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
-    """FAP values, shape (68,), that hold at a sample. `rest` keyframes have slope 0."""
+    """Channels, shape (N_CHANNELS,), that hold at a sample. `rest` keyframes have slope 0."""
 
     sample: int
     values: NDArray[np.float64]
     rest: bool = False
+
+    @property
+    def contact(self) -> bool:
+        """Lips meet, or lip meets teeth: it has to be seen."""
+        return bool(self.values[[SEAL, BITE]].max() == 1.0)
+
+
+def mouth(channels: NDArray[np.float64]) -> Mouth:
+    """The speech stream at one instant, from its channels, shape (N_CHANNELS,)."""
+    speaks, seal, bite = channels[N_FAPS:].tolist()
+    return Mouth(channels[:N_FAPS].copy(), speaks, seal, bite)
+
+
+@cache
+def shapes() -> NDArray[np.float64]:
+    """The channels of visemes 0-14, shape (15, N_CHANNELS)."""
+    table = np.zeros((N_VISEMES, N_CHANNELS))
+    table[:, :N_FAPS] = visemes()
+    table[1:, SPEAKS] = 1.0
+    table[CLOSED, SEAL] = 1.0
+    table[BITTEN, BITE] = 1.0
+    return table
 
 
 @cache
@@ -88,12 +113,12 @@ def _target(text: str) -> Target:
     shape, _, percent = text.partition("@")
     first, _, second = shape.partition("/")
     if not second:
-        return Target(float(percent) / 100, visemes()[_viseme(first)])
+        return Target(float(percent) / 100, shapes()[_viseme(first)])
     number, _, blend = second.partition(":")
     share = int(blend) / MAX_BLEND
     if not 0 <= share <= 1:
         raise ValueError(f"blend {blend} is not 0 to {MAX_BLEND}")
-    mixed = visemes()[_viseme(first)] * share + visemes()[_viseme(number)] * (1 - share)
+    mixed = shapes()[_viseme(first)] * share + shapes()[_viseme(number)] * (1 - share)
     return Target(float(percent) / 100, mixed)
 
 
@@ -119,7 +144,8 @@ def keyframes(timed: TimedPhone, lang: str, sample_rate: int) -> Iterator[Keyfra
     half_hold = min(shape.hold_ms / 2000 * sample_rate, MAX_HALF_HOLD * length)
     for target in shape.targets:
         middle = timed.start + target.at * length
-        values = target.values * scale
+        values = target.values.copy()
+        values[:N_FAPS] *= scale
         if half_hold < 1:
             yield Keyframe(round(middle), values)
             continue
@@ -128,15 +154,7 @@ def keyframes(timed: TimedPhone, lang: str, sample_rate: int) -> Iterator[Keyfra
 
 
 def _pause(timed: TimedPhone, sample_rate: int) -> Iterator[Keyframe]:
-    """Rest, or an expression that eases in and out."""
-    name = timed.phone.expression
-    length = timed.end - timed.start
-    edge = min((EASE_MS if name else REST_MS) * sample_rate // 1000, length // 3)
-    rest = np.zeros(N_FAPS)
-    values = expressions()[name] if name else rest
-    if name:
-        yield Keyframe(timed.start, rest, rest=True)
-    yield Keyframe(timed.start + edge, values, rest=True)
-    yield Keyframe(timed.end - edge, values, rest=True)
-    if name:
-        yield Keyframe(timed.end, rest, rest=True)
+    """The mouth comes to rest."""
+    edge = min(REST_MS * sample_rate // 1000, (timed.end - timed.start) // 3)
+    yield Keyframe(timed.start + edge, shapes()[0], rest=True)
+    yield Keyframe(timed.end - edge, shapes()[0], rest=True)

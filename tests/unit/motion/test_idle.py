@@ -1,82 +1,167 @@
-"""Blinks that close the eye (19 and 21 add up to ES0, 1024 units) and a head that stays near where it was."""
+"""Idle life has the statistics of people, over minutes: the numbers and sources of data/life.json."""
 
 from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+from math import degrees, hypot
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fapstream.motion.idle import AU, HEAD_AMPLITUDE_RAD, IdleLife
+from fapstream.motion.idle import Blinks, Gaze, Idle, IdleLife, Mode, blink, life, sway
 
-RATE = 16000
-LIDS = (19, 20, 21, 22)
-FINE = RATE // 200
-
-
-def life(seed: int, seconds: float, rate: int = RATE, step: int = FINE) -> NDArray[np.float64]:
-    """FAPs of a face that does nothing else, shape (n, 68)."""
-    idle = IdleLife(seed, rate)
-    rows = []
-    for sample in range(0, int(seconds * rate), step):
-        values = np.zeros(68)
-        idle.add_to(values, sample)
-        rows.append(values)
-    return np.array(rows)
+FINE = 100
+"""Looks a second."""
 
 
-def test_seeded() -> None:
-    assert np.array_equal(life(5, 20), life(5, 20))
-    assert not np.array_equal(life(5, 20), life(6, 20))
+@cache
+def track(seed: int, mode: Mode = "talk", seconds: int = 200, rate: int = FINE) -> list[Idle]:
+    alive = IdleLife(seed, mode)
+    return [alive.at(k / rate) for k in range(seconds * rate)]
 
 
-def test_it_is_a_function_of_time_and_not_of_the_frames_asked_for() -> None:
-    assert np.array_equal(life(3, 30)[::8], life(3, 30, step=8 * FINE))
-    assert life(3, 30) == pytest.approx(life(3, 30, rate=2 * RATE, step=2 * FINE))
+@cache
+def shut(seed: int, mode: Mode) -> NDArray[np.float64]:
+    """Ten minutes."""
+    lids = Blinks(seed, mode)
+    return np.array([lids.shut(k / FINE) for k in range(600 * FINE)])
 
 
-def blinks(rows: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Runs of rows in which the eye is not open."""
-    shut = rows[:, 18] > 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], shut, [False]]).astype(int)))
-    return [rows[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+def blinks(seed: int, mode: Mode) -> list[NDArray[np.float64]]:
+    """Runs of looks at which the eye is not open, each whole."""
+    found = shut(seed, mode)
+    edges = np.flatnonzero(np.diff((found > 0).astype(int))) + 1
+    runs = np.split(found, edges)
+    return [run for run in runs[1:-1] if run[0] > 0]
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_every_blink_closes_the_eye_and_opens_it_again(seed: int) -> None:
-    rows = life(seed, 60)
-    found = blinks(rows[: len(rows) - 200])
-    assert 8 <= len(found) <= 50
-    for blink in found:
-        assert (blink[:, 18] + blink[:, 20]).max() == pytest.approx(1024)
-        assert np.array_equal(blink[:, 18], blink[:, 19])
-        assert np.array_equal(blink[:, 20], blink[:, 21])
-        assert 0.2 <= len(blink) / 200 <= 0.3
-    assert ((rows[:, 18] >= 0) & (rows[:, 18] <= 900) & (rows[:, 20] >= 0) & (rows[:, 20] <= 124)).all()
+def onsets(seed: int, mode: Mode) -> NDArray[np.float64]:
+    """When blinks begin, s."""
+    return (np.flatnonzero(np.diff((shut(seed, mode) > 0).astype(int)) == 1) + 1) / FINE
 
 
-def test_a_blink_closes_lids_that_stand_elsewhere() -> None:
-    """Fear opens the eyes wide (19 = -180); they meet all the same and never go past each other."""
-    idle, lids = IdleLife(1, RATE), []
-    for sample in range(0, 30 * RATE, FINE):
-        values = np.zeros(68)
-        values[[18, 19]] = -180
-        idle.add_to(values, sample)
-        lids.append(values[18] + values[20])
-    assert max(lids) == pytest.approx(1024)
-    assert min(lids) == -180
+def test_seeded_and_a_function_of_time_in_any_order() -> None:
+    whole = track(5, seconds=60)
+    assert whole != track(6, seconds=60)
+    alive = IdleLife(5)
+    for k in (4500, 17, 2400, 2401, 200, 5999):
+        assert alive.at(k / FINE) == whole[k]
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_head_moves_within_its_amplitude_and_starts_from_the_front(seed: int) -> None:
-    rows = life(seed, 60)
-    for fap, amplitude in HEAD_AMPLITUDE_RAD.items():
-        track = rows[:, fap - 1]
-        assert track[0] == 0
-        assert np.abs(track).max() <= amplitude / AU
-        assert np.abs(track).max() >= 0.2 * amplitude / AU
-        assert np.abs(np.diff(track)).max() <= 0.03 * amplitude / AU, "no jerk within 5 ms"
+@pytest.mark.parametrize(("mode", "least", "most"), [("talk", 3.3, 4.4), ("listen", 3.1, 4.1)])
+def test_blinks_come_at_human_intervals(mode: Mode, least: float, most: float) -> None:
+    """14 to 18 a minute, skewed to the right as in Bentivoglio et al.; never in each other's way."""
+    intervals = np.concatenate([np.diff(onsets(seed, mode)) for seed in (1, 2, 3)])
+    assert least <= intervals.mean() <= most
+    assert np.median(intervals) < intervals.mean()
+    assert 0.4 <= np.log(intervals).std() <= 0.75
+    assert intervals.min() >= life()["blink"]["interval_s"][mode]["least"] - 1 / FINE
 
 
-def test_nothing_else_moves() -> None:
-    moving = {i + 1 for i in np.flatnonzero(life(2, 60).any(axis=0))}
-    assert moving == {*LIDS, *HEAD_AMPLITUDE_RAD}
+def test_a_blink_goes_down_twice_as_fast_as_it_comes_up() -> None:
+    for run in blinks(1, "talk"):
+        deepest = int(run.argmax()) / FINE
+        assert 0.06 <= deepest <= 0.14
+        assert 0.22 <= len(run) / FINE <= 0.34
+        assert run.max() == pytest.approx(1) or run.max() == pytest.approx(0.75, abs=0.01)
+        assert np.abs(np.diff(run)).max() < 0.3
+        down, up = (run[: int(run.argmax())] > 0.02).sum(), (run[int(run.argmax()) :] > 0.02).sum()
+        assert up > down
+    deep = [run.max() > 0.9 for seed in (1, 2, 3) for run in blinks(seed, "talk")]
+    assert 0.8 <= np.mean(deep) < 1, "about one in ten is not complete"
+
+
+def test_the_course_of_a_blink_is_continuous_and_ends() -> None:
+    for k in range(50):
+        course = np.array([blink(1, k, t) for t in np.arange(0, 0.5, 0.001)])
+        assert (course[0], course[-1], course.max()) == (0, 0, 1)
+        assert np.abs(np.diff(course)).max() < 0.04
+
+
+def world(seed: int, mode: Mode) -> NDArray[np.float64]:
+    """Where the eyes aim for ten minutes, degrees, shape (n, 2)."""
+    gaze = Gaze(seed, mode)
+    aims = [gaze.at(k / 20)[0] for k in range(600 * 20)]
+    return np.array([(degrees(aim.yaw), degrees(aim.pitch)) for aim in aims])
+
+
+@pytest.mark.parametrize(("mode", "least", "most"), [("talk", 0.68, 0.86), ("listen", 0.88, 0.98)])
+def test_the_eyes_are_on_the_viewer_most_of_the_time(mode: Mode, least: float, most: float) -> None:
+    """Lee, Badler and Badler: 77 of 100 while talking, 95 while listening."""
+    aim = np.concatenate([world(seed, mode) for seed in (1, 2, 3)])
+    middle = [0, degrees(life()["gaze"]["viewer"]["pitch_rad"])]
+    near = np.hypot(*(aim - middle).T) < 3.2
+    assert least <= near.mean() <= most
+    assert np.abs(aim).max() < 18
+
+
+def saccades(seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Size in degrees and duration in s of the saccades that stand alone, looked at 1000 times a second."""
+    gaze, rate = Gaze(seed, "talk"), 1000
+    aim = np.array([(gaze.at(k / rate)[0].yaw, gaze.at(k / rate)[0].pitch) for k in range(60 * rate)])
+    speed = np.hypot(*np.diff(np.degrees(aim), axis=0).T) * rate
+    edges = np.flatnonzero(np.diff((speed > 1e-6).astype(int)))
+    runs = [(a, b) for a, b in pairwise(edges) if speed[a + 1] > 1e-6]
+    size = np.array([hypot(*np.degrees(aim[b + 1] - aim[a])) for a, b in runs])
+    return size, np.array([(b - a) / rate for a, b in runs])
+
+
+def test_saccades_keep_the_main_sequence_and_are_mostly_small() -> None:
+    """Duration = 21 ms + 2.2 ms a degree (Carpenter); two that overlap are longer, and rare."""
+    size, duration = saccades(1)
+    assert len(size) >= 40
+    alone = np.abs(duration - 0.021 - 0.0022 * size) < 0.004
+    assert alone.mean() > 0.9
+    assert size.max() > 5
+    assert np.median(size) < 3
+    assert (size < 0.6).mean() > 0.15, "some stay at the point they looked at"
+
+
+def test_fixations_last_a_fifth_of_a_second_to_two() -> None:
+    gaze, rate = Gaze(2, "listen"), 500
+    aim = np.array([gaze.at(k / rate)[0].yaw for k in range(120 * rate)])
+    still = np.abs(np.diff(aim)) < 1e-12
+    edges = np.flatnonzero(np.diff(still.astype(int)))
+    spans = np.diff(edges) / rate
+    fixations = spans[spans > 0.06]
+    assert 0.5 <= fixations.mean() <= 0.95
+    assert (fixations < 2.01).all()
+
+
+def test_eyes_converge_on_the_viewer_and_less_on_what_is_far() -> None:
+    nearness = np.array([idle.look.nearness for idle in track(1)])
+    assert nearness.max() == 1 / life()["gaze"]["viewer"]["distance_m"]
+    assert nearness.min() == pytest.approx(1 / life()["gaze"]["far_m"])
+    assert np.abs(np.diff(nearness)).max() < 0.05, "vergence is slow"
+
+
+def test_the_head_starts_in_front_and_never_jerks() -> None:
+    heads = np.degrees([idle.head for idle in track(1)])
+    assert (heads[0] == 0).all()
+    assert (np.abs(heads).max(axis=0) < [5, 7, 2]).all()
+    assert (np.abs(np.diff(heads, axis=0)).max(axis=0) * FINE < 25).all(), "degrees a second"
+    assert (heads.std(axis=0) > 0.25).all()
+
+
+def _power(x: NDArray[np.float64], length: int) -> NDArray[np.float64]:
+    """Power by frequency, the mean over pieces of that length."""
+    pieces = x.reshape(-1, length)
+    return (np.abs(np.fft.rfft(pieces - pieces.mean(axis=1, keepdims=True))) ** 2).mean(axis=0)
+
+
+def test_the_head_drifts_like_one_over_f_and_breathes() -> None:
+    """Slope of the spectrum between posture's slow drift and tremor; a bump where people breathe."""
+    rate, seconds = 10, 1800
+    pitch, yaw, _ = np.array([sway(4, 2 + k / rate) for k in range(rate * seconds)]).T
+    hz = np.fft.rfftfreq(rate * 100, 1 / rate)
+    power = [
+        np.mean([abs(np.fft.rfft(part - part.mean())) ** 2 for part in np.split(x, 18)], axis=0)
+        for x in (pitch, yaw)
+    ]
+    band = (hz > 0.07) & (hz < 1.5)
+    slope = np.polyfit(np.log(hz[band]), np.log(power[1][band]), 1)[0]
+    assert -3.5 < slope < -0.8
+    share = [p[(hz > 0.2) & (hz < 0.3)].sum() / p[(hz > 0.35) & (hz < 0.6)].sum() for p in power]
+    assert share[0] > 1.3 * share[1]

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fapstream.errors import DataError, UnknownLanguage
-from fapstream.fap import EXPRESSIONS, expressions, visemes
+from fapstream.fap import EXPRESSIONS, visemes
 from fapstream.motion import visemes as module
-from fapstream.motion.visemes import keyframes, phone_shapes
-from fapstream.records import SILENCE, Phone, TimedPhone
+from fapstream.motion.visemes import N_CHANNELS, keyframes, mouth, phone_shapes, shapes
+from fapstream.records import N_FAPS, SILENCE, Phone, TimedPhone
 from fapstream.tts import LANGUAGES, phone_set
 
 RATES = (16000, 22050)
@@ -52,7 +52,7 @@ def test_shapes_are_visemes_and_blends_of_two(
     targets = phone_shapes(lang)[phone].targets
     assert len(targets) == len(expected)
     for target, blend in zip(targets, expected, strict=True):
-        assert target.values == pytest.approx(mixed(*blend))
+        assert target.values[:N_FAPS] == pytest.approx(mixed(*blend))
 
 
 @pytest.mark.parametrize("lang", LANGUAGES)
@@ -95,20 +95,33 @@ def keys(
 def test_one_shape_is_reached_in_the_middle() -> None:
     [key] = keys("s", 1600)
     assert key.sample == 1800
-    assert key.values == pytest.approx(visemes()[7])
+    assert key.values == pytest.approx(shapes()[7])
     assert not key.rest
 
 
 def test_a_diphthong_has_two_shapes() -> None:
     first, second = keys("AI", 2000, stress=1)
     assert (first.sample, second.sample) == (1560, 2600)
-    assert first.values == pytest.approx(visemes()[10])
-    assert second.values == pytest.approx(visemes()[12])
+    assert first.values == pytest.approx(shapes()[10])
+    assert second.values == pytest.approx(shapes()[12])
 
 
 def test_stress_opens_the_mouth_further() -> None:
     [strong], [weak] = keys("E", 1600, stress=1), keys("E", 1600)
-    assert weak.values == pytest.approx(0.85 * strong.values)
+    assert weak.values[:N_FAPS] == pytest.approx(0.85 * strong.values[:N_FAPS])
+    assert weak.values[N_FAPS:].tolist() == strong.values[N_FAPS:].tolist() == [1, 0, 0]
+
+
+def test_the_mouth_speaks_in_every_shape_and_touches_where_it_must() -> None:
+    assert shapes().shape == (15, N_CHANNELS)
+    table = [mouth(row) for row in shapes()]
+    assert [m.speaks for m in table] == [0.0] + [1.0] * 14
+    assert [m.seal for m in table] == [0.0, 1.0] + [0.0] * 13
+    assert [m.bite for m in table] == [0.0, 0.0, 1.0] + [0.0] * 12
+    for lang in LANGUAGES:
+        for name, shape in phone_shapes(lang).items():
+            touches = [max(mouth(t.values).seal, mouth(t.values).bite) for t in shape.targets]
+            assert touches == ([1.0] if name in "pbmfv" else [0.0] * len(touches)), name
 
 
 def test_a_closure_is_held_but_stays_within_its_phone() -> None:
@@ -142,14 +155,3 @@ def test_a_pause_rests() -> None:
     assert (into.sample, out.sample) == (1000 + 1920, 1000 + 16000 - 1920)
     assert not into.values.any()
     assert not out.values.any()
-
-
-@pytest.mark.parametrize("name", EXPRESSIONS)
-def test_an_expression_comes_stays_and_goes(name: str) -> None:
-    first, full, still, last = keys(SILENCE, 16000, expression=name)
-    assert (first.sample, last.sample) == (1000, 17000)
-    assert not first.values.any()
-    assert not last.values.any()
-    assert np.array_equal(full.values, expressions()[name])
-    assert np.array_equal(still.values, expressions()[name])
-    assert (full.sample, still.sample) == (5000, 13000)

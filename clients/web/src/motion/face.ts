@@ -1,50 +1,69 @@
-/** Which face to show: the turn's at the heard sample; idle life when nothing is said; soft steps between them. */
+/**
+ * Which face to show: the turn's at the heard sample, idle life when nothing is said. Where one takes over from the
+ * other, what was shown lasts as an offset that dies away: nothing jumps, and lips are on time.
+ */
 
 import { N_FAPS, type FapValues, type TurnBuffer } from "../stream/buffer";
 import type { Heard } from "../stream/heard";
-import { IDLE_FAPS, IdleLife, smooth } from "./idle";
+import { minimumJerk } from "./chance";
+import { EYE_FAPS, HEAD_FAPS, IdleLife, LID_FAPS, LIDS } from "./idle";
 
-const FADE_S = 0.2;
-const HEAD_TURNS = [48, 49, 50];
+/** How long what was shown before lasts, s: moods and heads take their time, eyes leap. */
+const FADE_S = { mood: 0.6, head: 0.7, eyes: 0.06, lids: 0.16 };
+/** The mouth is at the disposal of a turn that begins, and comes to rest softly. */
+const MOUTH_FADE_S = { turn: 0.15, rest: 0.35 };
+/** Brows, cheeks and nose. */
+const MOOD_FAPS = [31, 32, 33, 34, 35, 36, 37, 38, 41, 42, 61, 62, 63, 64];
+/** Idle life takes no longer steps than this: a page that was hidden does not catch up on its blinks. */
+const LONGEST_STEP_S = 0.25;
 
 export class Face {
   /** The face shown last; shape (69,), FAP n at n. */
   readonly values: FapValues = new Float32Array(N_FAPS + 1);
-  private readonly speech: FapValues = new Float32Array(N_FAPS + 1);
-  private readonly idle: FapValues = new Float32Array(N_FAPS + 1);
+  private readonly target: FapValues = new Float32Array(N_FAPS + 1);
+  private readonly offset: FapValues = new Float32Array(N_FAPS + 1);
+  /** By FAP; 0 for the mouth's. */
+  private readonly fades = new Float32Array(N_FAPS + 1);
   private readonly life: IdleLife;
-  /** 1 while a turn holds the face, then down to 0; what is left of it fades out with it. */
-  private held = 0;
-  /** 0 idle life, 1 the turn's own head and lids. */
-  private own = 0;
+  /** What is shown: a turn's own face, its lips with idle life round them, or idle life alone. */
+  private source = "";
+  private since = 0;
   private time = -1;
+  private lived = 0;
 
   constructor(seed: number) {
-    this.life = new IdleLife(seed);
+    this.life = new IdleLife(seed, "listen");
+    const groups = [[MOOD_FAPS, FADE_S.mood], [HEAD_FAPS, FADE_S.head], [EYE_FAPS, FADE_S.eyes], [LID_FAPS, FADE_S.lids]] as const;
+    for (const [faps, fade] of groups) for (const fap of faps) this.fades[fap] = fade;
   }
 
   /** The values at `now` (s) for what is heard; `buffer` is that turn's, null if none holds the face. */
   show(buffer: TurnBuffer | null, heard: Heard | null, now: number, calm: boolean): FapValues {
-    const step = this.time < 0 ? 0 : Math.max(0, now - this.time) / FADE_S;
+    const step = this.time < 0 ? 0 : Math.max(0, now - this.time);
     this.time = now;
+    this.lived += Math.min(step, LONGEST_STEP_S);
+    this.since += step;
     const holds = buffer !== null && heard !== null;
-    if (holds) buffer.face(heard.sample, this.speech);
-    this.held = holds ? 1 : Math.max(0, this.held - step);
-    const wants = holds && heard.state !== "waiting";
-    this.own = Math.min(1, Math.max(0, this.own + (wants ? step : -step)));
-    this.mix(now, calm);
+    if (holds) buffer.face(heard.sample, this.target);
+    else this.target.fill(0);
+    const lives = !holds || heard.state === "waiting";
+    if (lives && !calm) this.life.write(this.lived, this.target);
+    if (calm) for (const fap of [...HEAD_FAPS, ...EYE_FAPS]) this.target[fap] = 0;
+    this.blend(`${holds ? heard.turn : "nobody"} ${lives} ${calm}`, holds ? MOUTH_FADE_S.turn : MOUTH_FADE_S.rest);
     return this.values;
   }
 
-  private mix(now: number, calm: boolean): void {
-    const left = smooth(this.held);
-    for (let fap = 1; fap <= N_FAPS; fap++) this.values[fap] = this.speech[fap] * left;
-    if (calm) {
-      for (const fap of HEAD_TURNS) this.values[fap] = 0;
-      return;
+  private blend(source: string, mouth: number): void {
+    const changed = source !== this.source;
+    if (changed) {
+      for (let fap = 1; fap <= N_FAPS; fap++) this.offset[fap] = this.source ? this.values[fap] - this.target[fap] : 0;
+      this.source = source;
+      this.since = 0;
     }
-    this.life.write(now, this.idle);
-    const own = smooth(this.own);
-    for (const fap of IDLE_FAPS) this.values[fap] = this.speech[fap] * own + this.idle[fap] * (1 - own);
+    for (let fap = 1; fap <= N_FAPS; fap++) {
+      this.values[fap] = this.target[fap] + this.offset[fap] * (1 - minimumJerk(this.since / (this.fades[fap] || mouth)));
+    }
+    for (const [fap, shut] of LIDS) this.values[fap] = Math.min(this.values[fap], shut);
   }
 }
+

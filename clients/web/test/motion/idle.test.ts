@@ -1,52 +1,68 @@
 import { describe, expect, it } from "vitest";
-import { IDLE_FAPS, IdleLife, smooth } from "../../src/motion/idle";
+import { IDLE_FAPS, IdleLife, type Mode } from "../../src/motion/idle";
+import { vectors } from "../vectors";
 
-function minute(seed: number): Float32Array[] {
-  const life = new IdleLife(seed);
-  return Array.from({ length: 6000 }, (_, k) => {
+interface Case {
+  seed: number;
+  mode: Mode;
+  times: number[];
+  faps: number[];
+  values: number[][];
+}
+
+/** Frames at 100 Hz. */
+function frames(seed: number, seconds: number): Float32Array[] {
+  const life = new IdleLife(seed, "listen");
+  return Array.from({ length: seconds * 100 }, (_, k) => {
     const values = new Float32Array(69);
     life.write(k / 100, values);
     return values;
   });
 }
 
+describe("vectors/life.json", () => {
+  for (const { seed, mode, times, faps, values } of vectors<Case>("life.json")) {
+    it(`${seed} ${mode}`, () => {
+      const life = new IdleLife(seed, mode);
+      times.forEach((t, k) => {
+        const out = new Float32Array(69);
+        life.write(t, out);
+        const expected = new Float32Array(69);
+        faps.forEach((fap, i) => (expected[fap] = values[k][i]));
+        for (let fap = 1; fap < 69; fap++) expect(Math.abs(out[fap] - expected[fap]), `FAP ${fap} at ${t}`).toBeLessThan(0.02);
+      });
+    });
+  }
+});
+
 describe("IdleLife", () => {
-  const frames = minute(1);
+  const minute = frames(1, 60);
 
   it("follows from its seed", () => {
-    expect(minute(1)).toEqual(frames);
-    expect(minute(2)).not.toEqual(frames);
+    expect(frames(1, 60)).toEqual(minute);
+    expect(frames(2, 60)).not.toEqual(minute);
   });
 
-  it("moves only what it says it moves", () => {
-    const moved = new Set(frames.flatMap((values) => [...values.keys()].filter((fap) => values[fap] !== 0)));
-    expect([...moved].sort()).toEqual([...IDLE_FAPS].sort());
-  });
-
-  it("blinks 8 to 30 times a minute, lids meeting", () => {
-    const shut = frames.map((values) => values[19] + values[21] > 1000);
-    const blinks = shut.filter((now, k) => now && !shut[k - 1]).length;
-    expect(blinks).toBeGreaterThanOrEqual(8);
-    expect(blinks).toBeLessThanOrEqual(30);
-  });
-
-  it("turns the head gently and never jumps", () => {
-    for (const fap of [48, 49, 50]) {
-      const track = frames.map((values) => values[fap]);
-      expect(Math.max(...track.map(Math.abs))).toBeLessThan(3000);
-      expect(Math.max(...track) - Math.min(...track)).toBeGreaterThan(500);
-      expect(Math.max(...track.slice(1).map((v, k) => Math.abs(v - track[k])))).toBeLessThan(60);
+  it("is a function of time: order does not matter", () => {
+    const life = new IdleLife(1, "listen");
+    const out = new Float32Array(69);
+    for (const k of [5000, 17, 2400, 2399]) {
+      life.write(k / 100, out);
+      expect(out).toEqual(minute[k]);
     }
   });
 
-  it("does not catch up on blinks after a long pause", () => {
-    const life = new IdleLife(3);
-    const values = new Float32Array(69);
-    life.write(0, values);
-    const started = performance.now();
-    life.write(1e6, values);
-    expect(performance.now() - started).toBeLessThan(50);
+  it("moves only what it says it moves", () => {
+    const moved = new Set(minute.flatMap((values) => [...values.keys()].filter((fap) => values[fap] !== 0)));
+    expect([...moved].sort()).toEqual([...IDLE_FAPS].sort());
+  });
+
+  it("keeps the gaze where it is while the head turns", () => {
+    for (const values of minute) {
+      const inward = (values[24] - values[23]) / 2;
+      const world = (values[23] + values[24]) / 2 + values[49];
+      expect(inward).toBeGreaterThan(0);
+      expect(Math.abs(world)).toBeLessThan(0.35e5);
+    }
   });
 });
-
-it("smooth is held beyond its ends", () => expect([-1, 0, 0.5, 1, 2].map(smooth)).toEqual([0, 0, 0.5, 1, 1]));

@@ -1,0 +1,130 @@
+"""What head, brows and lids do with what is said: nods and raised brows on accents, blinks at phrase ends.
+
+Nothing looks ahead: a gesture begins where the vowel or pause that calls for it begins; its apex follows.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fapstream.motion.chance import minimum_jerk, uniform
+from fapstream.motion.idle import blink
+from fapstream.records import N_FAPS, SILENCE, Phone, TimedPhone
+
+AU = 1e-5
+HEAD_PITCH = 47
+NOD, BROWS, END_NOD, END_BLINK, SIZE = range(40, 45)
+"""Channels of chance."""
+LONGEST_S = 1.2
+"""Every gesture is over by then."""
+
+
+@cache
+def table() -> Any:
+    """data/gestures.toml."""
+    text = resources.files("fapstream.motion").joinpath("data/gestures.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+@dataclass(frozen=True, slots=True)
+class _Gesture:
+    """FAPs (68,) that come within `up` seconds of `start` and go within `down`."""
+
+    start: float
+    up: float
+    down: float
+    values: NDArray[np.float64]
+
+    def level(self, t: float) -> float:
+        into = t - self.start
+        return minimum_jerk(into / self.up) - minimum_jerk((into - self.up) / self.down)
+
+
+class Gestures:
+    """The prosody stream of one turn. `add` phones in order, then ask for times that they have reached."""
+
+    def __init__(self, seed: int, sample_rate: int) -> None:
+        self._seed, self._rate = seed, sample_rate
+        self._gestures: deque[_Gesture] = deque()
+        self._blinks: deque[tuple[int, float]] = deque()
+        self._count = 0
+        self._busy_until = 0.0
+        self._spoke = False
+
+    def add(self, timed: TimedPhone) -> None:
+        """The next phone."""
+        phone, start = timed.phone, timed.start / self._rate
+        if phone.name != SILENCE:
+            self._spoke = True
+            if start >= self._busy_until and (strength := accent(phone)):
+                self._accent(start, strength)
+        elif self._spoke and timed.end - timed.start >= table()["phrase_end"]["pause_s"] * self._rate:
+            self._spoke = False
+            self._phrase_end(start)
+
+    def at(self, t: float) -> tuple[NDArray[np.float64], float]:
+        """FAPs (68,), FAP units, and how far a blink shuts the lids (0 to 1). Times go back 1 s at most."""
+        while self._gestures and self._gestures[0].start < t - LONGEST_S - 1.0:
+            self._gestures.popleft()
+        while self._blinks and self._blinks[0][1] < t - LONGEST_S - 1.0:
+            self._blinks.popleft()
+        values = np.zeros(N_FAPS)
+        for gesture in self._gestures:
+            if gesture.start > t:
+                break
+            values += gesture.level(t) * gesture.values
+        return values, max((blink(self._seed, k, t - start) for k, start in self._blinks), default=0.0)
+
+    def _accent(self, start: float, strength: float) -> None:
+        self._busy_until = start + table()["accent"]["apart_s"]
+        self._count += 1
+        if self._chance(NOD) < table()["nod"]["share"]:
+            self._nod(start, table()["nod"], strength)
+        if self._chance(BROWS) < table()["brows"]["share"]:
+            brows, values = table()["brows"], np.zeros(N_FAPS)
+            for fap, share in brows["faps"].items():
+                values[int(fap) - 1] = share * _between(brows["raise"], strength)
+            self._gestures.append(_Gesture(start, brows["up_s"], brows["down_s"], values))
+
+    def _phrase_end(self, start: float) -> None:
+        end = table()["phrase_end"]
+        self._count += 1
+        if self._chance(END_NOD) < end["nod_share"]:
+            self._nod(start, end, self._chance(SIZE))
+        if self._chance(END_BLINK) < end["blink_share"]:
+            self._blinks.append((-self._count, start))
+
+    def _nod(self, start: float, law: Any, strength: float) -> None:
+        values = np.zeros(N_FAPS)
+        values[HEAD_PITCH] = _between(law["pitch_rad"], strength) / AU
+        self._gestures.append(_Gesture(start, law["up_s"], law["down_s"], values))
+
+    def _chance(self, channel: int) -> float:
+        return uniform(self._seed, channel, self._count)
+
+
+def accent(phone: Phone) -> float:
+    """How strongly a phone is accented, 0 (not) to 1: a stressed vowel, by the rise of its melody."""
+    if phone.stress != 1:
+        return 0.0
+    if not phone.pitch:
+        return 0.5
+    law = table()["accent"]
+    f0 = [hz for _, hz in phone.pitch]
+    rise = max(f0) / f0[0] - 1.0
+    if rise < law["rise"]:
+        return 0.0
+    return min(1.0, rise / float(law["full_rise"]))
+
+
+def _between(ends: Sequence[float], share: float) -> float:
+    return ends[0] + (ends[1] - ends[0]) * share

@@ -1,0 +1,125 @@
+"""One face out of many streams: speech, expression, prosody, gaze and idle life, by rules.
+
+Speech owns jaw, lips and tongue. An expression lies under it: whole in pauses, on the mouth in part while it
+speaks (data/mixing.tsv), and never between lips that must meet (`closure`). Head turns add up; the eyes hold
+their aim while the head turns, the lids follow the eyes, a blink shuts lids wherever they stand. Limits come
+last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fapstream.errors import DataError
+from fapstream.fap import limits
+from fapstream.motion import closure
+from fapstream.motion.idle import Idle, Look, life
+from fapstream.records import N_FAPS
+
+Values = NDArray[np.float64]
+
+AU = 1e-5
+"""Radians per FAP unit of an angle."""
+
+PITCH, YAW, ROLL = 47, 48, 49
+LEFT_YAW, RIGHT_YAW, LEFT_PITCH, RIGHT_PITCH = 22, 23, 24, 25
+UPPER_LIDS, LOWER_LIDS = [18, 19], [20, 21]
+"""Columns of FAPs."""
+
+KNEE = 0.9
+"""From this part of a limit on, values approach it softly."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mouth:
+    """What speech wants: FAPs (68,), and how much (0 to 1) it speaks, lips meet, lip meets teeth."""
+
+    values: Values
+    speaks: float = 0.0
+    seal: float = 0.0
+    bite: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Streams:
+    """Everything that moves the face at one instant. `expression` and `gesture` are FAPs (68,), FAP units."""
+
+    mouth: Mouth
+    expression: Values
+    gesture: Values
+    idle: Idle
+    shut: float = 0.0
+    """How far a blink that goes with what is said shuts the lids."""
+
+
+def mix(streams: Streams) -> Values:
+    """The face, FAPs (68,) in FAP units, within the anatomical limits."""
+    mouth = streams.mouth
+    values = mouth.values + streams.expression * (1.0 - mouth.speaks * (1.0 - shares_while_speaking()))
+    closure.part(values)
+    closure.seal(values, mouth.seal)
+    closure.bite(values, mouth.bite)
+    values += streams.gesture
+    values[[PITCH, YAW, ROLL]] += np.array(streams.idle.head) / AU
+    look(values, streams.idle.look)
+    shut(values, max(streams.shut, streams.idle.shut))
+    return limited(values)
+
+
+def idle_face(idle: Idle) -> Values:
+    """The face that does nothing but live, FAPs (68,): what is shown between turns."""
+    nothing = np.zeros(N_FAPS)
+    return mix(Streams(Mouth(nothing), nothing, nothing, idle))
+
+
+def look(values: Values, aim: Look) -> None:
+    """Turn the eyes to their aim from wherever the head is, and let the lids follow. In place, (68,)."""
+    table = life()["gaze"]
+    yaw = aim.yaw - values[YAW] * AU
+    pitch = aim.pitch - values[PITCH] * AU
+    inward = table["half_eyes_m"] * aim.nearness
+    values[LEFT_YAW] += (yaw - inward) / AU
+    values[RIGHT_YAW] += (yaw + inward) / AU
+    values[[LEFT_PITCH, RIGHT_PITCH]] += pitch / AU
+    values[UPPER_LIDS] += table["lids"]["upper"] * pitch
+    values[LOWER_LIDS] += table["lids"]["lower"] * pitch
+
+
+def shut(values: Values, share: float) -> None:
+    """Bring the lids, from wherever they stand, towards where they meet. In place, (68,)."""
+    for fap, closed in life()["blink"]["shut"].items():
+        values[int(fap) - 1] += share * (closed - values[int(fap) - 1])
+
+
+def limited(values: Values) -> Values:
+    """Values within the anatomical limits: as they are up to KNEE of a limit, from there on softly nearer."""
+    low, high = limits().T
+    limit = np.where(values < 0, -low, high)
+    size = np.abs(values)
+    room = np.maximum((1.0 - KNEE) * limit, 1e-9)
+    beyond = np.maximum(0.0, size - KNEE * limit)
+    soft = np.minimum(size, KNEE * limit) + room * np.tanh(beyond / room)
+    signed: Values = np.copysign(np.minimum(soft, limit), values)
+    return signed
+
+
+@cache
+def shares_while_speaking() -> Values:
+    """How much of an expression is left of each FAP while the mouth speaks, shape (68,), 0 to 1."""
+    name = "mixing.tsv"
+    shares = np.ones(N_FAPS)
+    rows = resources.files("fapstream.motion").joinpath("data", name).read_text(encoding="utf-8").splitlines()
+    for number, line in enumerate(rows, 1):
+        if not line.strip() or line.startswith(("#", "faps\t")):
+            continue
+        try:
+            faps, percent, _ = line.split("\t")
+            shares[[int(fap) - 1 for fap in faps.split()]] = float(percent) / 100
+        except (ValueError, IndexError) as e:
+            raise DataError(name, number, str(e)) from None
+    return shares
