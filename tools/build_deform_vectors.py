@@ -1,5 +1,7 @@
 """Writes protocol/vectors/deform: a tiny head and, for some FAP frames, where its vertices go.
 
+`talk.glb` is the same as a glTF animation, one case a second, for readers that know nothing of FAPs.
+
 The expected places are worked out here by hand (tables and closed forms), not by fapstream.head.deform.
 """
 
@@ -11,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from fapstream.head.export import export_talk
 from fapstream.head.fapu import Fapu
 from fapstream.head.gltf_write import write_head
-from fapstream.head.mesh import REQUIRED_PARTS, Camera, FatEntry, Head, Material, Mouth, Part, Turn
+from fapstream.head.mesh import Camera, FatEntry, Head, Material, Mouth, Part, Turn
 
 OUT = Path(__file__).parents[1] / "protocol/vectors/deform"
+PARTS = ("skin", "eye_l", "eye_r", "teeth_upper", "teeth_lower", "tongue")
 SKIN = [(0.0, 0.0, 0.125), (0.125, 0.0, 0.125), (0.0, 0.25, 0.0), (-0.125, 0.0, 0.0)]
 EYE = [(0.25, 0.0, 0.125), (0.375, 0.0, 0.0), (0.25, 0.125, 0.0)]
 PIVOT = (0.25, 0.0, 0.0)
@@ -24,13 +28,18 @@ Points = list[tuple[float, float, float]]
 
 
 def head() -> Head:
-    parts = [_part(name, EYE if name == "eye_l" else SKIN) for name in REQUIRED_PARTS]
+    parts = [_part(name, EYE if name == "eye_l" else SKIN) for name in PARTS]
     fat = (
         _fat(3, (100, 200), [0, 1], [[(0, -100, 0), (0, -50, 0)], [(0, -300, 0), (0, -100, -40)]], 1e-5),
         _fat(5, (-200, 200), [1, 2], [[(0, -1000, 0), (-500, 0, 0)], [(0, 1000, 0), (0, 0, 500)]], 2e-6),
         _fat(6, (-100,), [3], [[(-100, 0, 0)]], 1e-5),
         _fat(19, (-512, 400, 1024), [2], [[(0, 512, 0)], [(0, -300, 100)], [(0, -1024, 0)]], 1e-5),
-    )
+        FatEntry(
+            ((51, 0.002), (52, -0.001)), "skin", (-1, 0.5, 1), np.array([0, 3], np.uint32),
+            np.array([[(0, 0, 0)] * 2, [(0, 0, 200), (0, 100, 0)], [(0, 0, 300), (0, 300, 0)]], np.int16),
+            1e-5,
+        ),
+    )  # fmt: skip
     weights = np.array(WEIGHTS, np.float32)
     levels = (np.rint(weights * 255) / np.float32(255)).astype(np.float32)
     turns = (
@@ -59,6 +68,10 @@ def cases() -> list[dict[str, object]]:
         _case("a single negative knot, other side", {6: 50}, {3: (0.0005, 0, 0)}),
         _case("three knots, below", {19: -1024}, {2: (0, 0.01024, 0)}),
         _case("three knots, above", {19: 712}, {2: (0, -0.00662, 0.0005)}),
+        _case("a drive of two FAPs", {51: 250, 52: -250}, {0: (0, 0, 0.0025), 3: (0, 0.002, 0)}),
+        _case("a drive that stays below 0", {51: -900, 52: 900}, {}),
+        _case("a drive beyond its last knot", {51: 900, 52: 300}, {0: (0, 0, 0.004), 3: (0, 0.005, 0)}),
+        _case("a drive whose FAPs cancel", {51: 300, 52: 600}, {}),
         _eyes("eye to the left", 20000, 0),
         _eyes("eye left and down", 20000, -15000),
         _head("head down", {48: 10000}, s),
@@ -134,12 +147,22 @@ def _part(name: str, points: Points) -> Part:
     )
 
 
-def _fat(fap: int, knots: tuple[int, ...], indices: list[int], deltas: list, scale: float) -> FatEntry:
-    return FatEntry(fap, "skin", knots, np.array(indices, np.uint32), np.array(deltas, np.int16), scale)
+def _fat(fap: int, knots: tuple[float, ...], indices: list[int], deltas: list, scale: float) -> FatEntry:
+    return FatEntry.of(fap, "skin", knots, np.array(indices, np.uint32), np.array(deltas, np.int16), scale)
+
+
+def frames() -> np.ndarray:
+    """The cases' FAPs, int32 (n, 68)."""
+    rows = np.zeros((len(cases()), 68), np.int32)
+    for row, case in zip(rows, cases(), strict=True):
+        for fap, value in case["faps"].items():
+            row[int(fap) - 1] = value
+    return rows
 
 
 def main() -> None:
     OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "talk.glb").write_bytes(export_talk(head(), frames(), 1.0))
     (OUT / "small.glb").write_bytes(write_head(head()))
     rows = ",\n".join("  " + json.dumps(case) for case in cases())
     text = f'{{"head": "small.glb", "tolerance_m": 1e-7, "cases": [\n{rows}\n]}}\n'

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.pool import VoicePool
+from fapstream.cli.head import SUFFIXES, servable
 from fapstream.errors import InputError, SynthesisError
-from fapstream.head.gltf import read_head
 from fapstream.server import Service, Site, packaged_heads, running
 from fapstream.tts import LANGUAGES
 
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--lang", choices=LANGUAGES, default=LANGUAGES[0], help="language for turns that name none"
     )
     parser.add_argument(
-        "--head", action="append", default=[], metavar="NAME|F.glb",
+        "--head", action="append", default=[], metavar="NAME|F.glb|F.vrm",
         help="head that pages show unless they ask for another; more can be given and asked for by name",
     )  # fmt: skip
     parser.add_argument("--verbose", action="store_true", help="log every connection")
@@ -56,9 +56,8 @@ def chosen_heads(wishes: list[str]) -> dict[str, Traversable]:
     found: dict[str, Traversable] = {}
     for wish in wishes:
         path = Path(wish)
-        if path.suffix == ".glb":
-            read_head(path.read_bytes(), wish)
-            found[path.stem] = path
+        if path.suffix.lower() in SUFFIXES:
+            found[path.stem] = servable(path)
         elif wish in packaged:
             found[wish] = packaged[wish]
         else:

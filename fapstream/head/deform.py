@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from fapstream.head.fapu import ANGLE_UNIT_RAD
 from fapstream.head.mesh import FatEntry, Head, Turn
 
-Values = NDArray[np.int16]
+Values = NDArray[np.int16] | NDArray[np.float64]
 Positions = dict[str, NDArray[np.float64]]
 
 
 def deform(head: Head, values: Values) -> Positions:
     """Positions of every part under one frame of FAPs.
 
-    `values`: int16 (68,), FAP n at n-1. Returns float64 (n, 3) by part, metres, the caller's own.
+    `values`: (68,), FAP n at n-1. Returns float64 (n, 3) by part, metres, the caller's own.
     """
     positions: Positions = {part.name: part.positions.astype(np.float64) for part in head.parts}
     for entry in head.fat:
-        value = int(values[entry.fap - 1])
+        value = drive_value(entry, values)
         if value:
             positions[entry.part][entry.indices] += displacement(entry, value)
     for turn in head.turns:
@@ -30,16 +30,21 @@ def deform(head: Head, values: Values) -> Positions:
     return positions
 
 
-def displacement(entry: FatEntry, value: int) -> NDArray[np.float64]:
-    """What one FAP adds to the vertices `entry.indices`: float64 (n, 3), metres."""
+def drive_value(entry: FatEntry, values: Values) -> float:
+    """Where a frame of FAPs stands between the entry's knots: the sum of coefficient * FAP."""
+    return sum(coefficient * float(values[fap - 1]) for fap, coefficient in entry.drive)
+
+
+def displacement(entry: FatEntry, value: float) -> NDArray[np.float64]:
+    """What the entry adds to `entry.indices` at one value of its drive: float64 (n, 3), metres."""
     total = np.zeros((entry.indices.size, 3))
     for knot, share in knot_shares(entry.knots, value).items():
         total += entry.deltas[knot] * (share * entry.scale)
     return total
 
 
-def knot_shares(knots: tuple[int, ...], value: int) -> Mapping[int, float]:
-    """The weights of the (at most two) knots that a FAP value lies between.
+def knot_shares(knots: tuple[float, ...], value: float) -> Mapping[int, float]:
+    """The weights of the (at most two) knots that the value of a drive lies between.
 
     The value 0 is a knot too, whose displacement is nothing. Beyond the ends the last segment
     goes on, so weights may be negative or larger than one.

@@ -14,7 +14,7 @@ from fapstream.head.fapu import Fapu, Point
 Floats = NDArray[np.float32]
 Indices = NDArray[np.uint32]
 
-REQUIRED_PARTS = ("skin", "eye_l", "eye_r", "teeth_upper", "teeth_lower", "tongue")
+REQUIRED_PARTS = ("skin",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +27,17 @@ class Image:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """The part of glTF's pbrMetallicRoughness that heads use. Colours are linear."""
+    """The part of glTF's pbrMetallicRoughness that heads use. Colours are linear.
+
+    `normal` is a tangent-space normal map (glTF's normalTexture: +y up), repeated `normal_repeat` times
+    along u and v where the colour picture lies once: pores tile.
+    """
 
     name: str
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     texture: Image | None = None
+    normal: Image | None = None
+    normal_repeat: float = 1.0
     roughness: float = 1.0
     metallic: float = 0.0
     alpha: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
@@ -53,17 +59,37 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class FatEntry:
-    """How one FAP moves vertices of one part: piecewise linear between knots.
+    """How FAPs move vertices of one part: piecewise linear between knots of the drive.
 
-    `indices` uint32 (n,); `deltas` int16 (k, n, 3), times `scale` metres at each of the k `knots`.
+    `drive`: (FAP number, coefficient) pairs; the sum of coefficient * FAP is what `knots` are values of.
+    Mostly one FAP with coefficient 1. `indices` uint32 (n,); `deltas` int16 (k, n, 3), times `scale`
+    metres at each of the k `knots`.
     """
 
-    fap: int
+    drive: tuple[tuple[int, float], ...]
     part: str
-    knots: tuple[int, ...]
+    knots: tuple[float, ...]
     indices: Indices
     deltas: NDArray[np.int16]
     scale: float
+
+    @classmethod
+    def of(
+        cls,
+        fap: int,
+        part: str,
+        knots: tuple[float, ...],
+        indices: Indices,
+        deltas: NDArray[np.int16],
+        scale: float,
+    ) -> FatEntry:
+        """The table of one FAP."""
+        return cls(((fap, 1.0),), part, knots, indices, deltas, scale)
+
+    @property
+    def faps(self) -> tuple[int, ...]:
+        """The numbers of the FAPs that drive this table."""
+        return tuple(fap for fap, _ in self.drive)
 
 
 @dataclass(frozen=True, slots=True)

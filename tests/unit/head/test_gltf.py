@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fapstream.errors import DataError
-from fapstream.head.gltf import read_head, split_glb
+from fapstream.head.document import split_glb
+from fapstream.head.gltf import read_head
 
 SMALL = (Path(__file__).parents[3] / "protocol/vectors/deform/small.glb").read_bytes()
 DOCUMENT, BINARY = split_glb(SMALL, "small.glb")
@@ -46,12 +47,19 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
     "count": (lambda d: d["accessors"][0].update(count=10**9), "count"),
     "view": (lambda d: d["bufferViews"][0].update(byteLength=10**7), "ends at"),
     "view negative": (lambda d: d["bufferViews"][0].update(byteOffset=-4), "integer"),
-    "stride": (lambda d: d["bufferViews"][0].update(byteStride=64), "interleaved"),
+    "stride": (lambda d: d["bufferViews"][0].update(byteStride=64), r"POSITION: needs"),
     "zero knot": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[0, 200]), r"fat\[0\]: knots"),
     "knots down": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[200, 100]), r"fat\[0\]: knots"),
     "knots many": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[1, 2, 3]), "deltas"),
     "fap 1": (lambda d: d["extras"]["fapstream"]["fat"][0].update(fap=1), r"fat\[0\].fap"),
     "fap true": (lambda d: d["extras"]["fapstream"]["fat"][0].update(fap=True), r"fat\[0\].fap"),
+    "drive fap": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"2": 1}), r"fat\[4\].drive"),
+    "drive name": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"jaw": 1}), r"fat\[4\].drive"),
+    "drive empty": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={}), r"fat\[4\].drive"),
+    "drive twice": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"3": 1, "03": 1}), "drive"),
+    "drive inf": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"3": float("inf")}), "drive"),
+    "repeat": (lambda d: d["materials"][0].update(normalTexture={"index": 0, "extensions":
+               {"KHR_texture_transform": {"scale": [1, 2]}}}), "normalTexture"),
     "scale nan": (lambda d: d["extras"]["fapstream"]["fat"][0].update(scale=float("nan")), "scale"),
     "fat part": (lambda d: d["extras"]["fapstream"]["fat"][0].update(part="hat"), "no part 'hat'"),
     "fat vertex": (lambda d: d["extras"]["fapstream"]["fat"][2].update(part="eye_l"), "vertex"),

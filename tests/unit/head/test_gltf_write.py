@@ -1,11 +1,13 @@
 """write_head, by reading back what it wrote."""
 
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
 
 from fapstream.head.gltf import read_head
 from fapstream.head.gltf_write import write_head
+from fapstream.head.mesh import Image, Material
 
 GENERIC = resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes()
 
@@ -19,7 +21,9 @@ def test_what_is_written_reads_back_the_same() -> None:
         np.testing.assert_array_equal(one.triangles, other.triangles)
         assert one.material == other.material
     for one, other in zip(head.fat, again.fat, strict=True):
-        assert (one.fap, one.part, one.knots, one.scale) == (other.fap, other.part, other.knots, other.scale)
+        assert (one.drive, one.part, one.knots, one.scale) == (
+            other.drive, other.part, other.knots, other.scale,
+        )  # fmt: skip
         np.testing.assert_array_equal(one.deltas, other.deltas)
     for one, other in zip(head.turns, again.turns, strict=True):
         assert (one.faps, one.axes, one.parts, one.pivot) == (
@@ -37,6 +41,22 @@ def test_what_is_written_reads_back_the_same() -> None:
         head.mouth,
         head.camera,
     )
+
+
+def test_a_normal_map_and_a_mixed_drive_are_kept() -> None:
+    head = read_head(GENERIC)
+    pores = Image(b"\x89PNG pores", "image/png")
+    skin = replace(head.part("skin"), material=Material("skin", normal=pores, normal_repeat=8.0))
+    entry = replace(
+        head.fat[0],
+        part="skin",
+        drive=((3, 0.5), (5, -1.25)),
+        knots=tuple(1.25 * k for k in range(1, len(head.fat[0].knots) + 1)),
+    )
+    again = read_head(write_head(replace(head, parts=(skin, *head.parts[1:]), fat=(entry,))))
+    assert again.part("skin").material == skin.material
+    np.testing.assert_array_equal(again.part("skin").uvs, skin.uvs)
+    assert (again.fat[0].drive, again.fat[0].knots, again.fat[0].faps) == (entry.drive, entry.knots, (3, 5))
 
 
 def test_writing_is_deterministic() -> None:

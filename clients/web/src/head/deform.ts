@@ -36,8 +36,9 @@ export class Deformer {
     const moved = new Set<string>();
     for (const { part, positions } of this.shapes) positions.set(part.positions);
     for (const entry of this.head.fat) {
-      if (!values[entry.fap]) continue;
-      displace(entry, values[entry.fap], this.byName.get(entry.part)!.positions);
+      const value = driveValue(entry, values);
+      if (!value) continue;
+      displace(entry, value, this.byName.get(entry.part)!.positions);
       moved.add(entry.part);
     }
     for (const { part, positions, normals } of this.shapes) {
@@ -64,7 +65,14 @@ function fieldOf(head: Head, part: Part): NormalField {
   return new NormalField(part, movable);
 }
 
-/** Add what one FAP does to `positions`. */
+/** Where a frame of FAPs stands between the entry's knots. */
+function driveValue({ drive }: FatEntry, values: ArrayLike<number>): number {
+  let value = 0;
+  for (const [fap, coefficient] of drive) value += coefficient * values[fap];
+  return value;
+}
+
+/** Add what the entry does at one value of its drive to `positions`. */
 function displace({ knots, indices, deltas, scale }: FatEntry, value: number, positions: Float32Array): void {
   for (const [knot, weight] of knotShares(knots, value)) {
     const share = weight * scale;
@@ -80,7 +88,7 @@ function displace({ knots, indices, deltas, scale }: FatEntry, value: number, po
 }
 
 /**
- * [knot, weight] of the (at most two) knots that a FAP value lies between. 0 is a knot too, whose
+ * [knot, weight] of the (at most two) knots that the value of a drive lies between. 0 is a knot too, whose
  * displacement is nothing. Beyond the ends the last segment goes on: weights may leave [0, 1].
  */
 export function knotShares(knots: readonly number[], value: number): [number, number][] {

@@ -1,50 +1,17 @@
 /** Head files: GLB (glTF 2.0) bytes to a Head, as protocol/HEAD.md defines them. Throws HeadError and nothing else. */
 
-import { HeadError, type FatEntry, type Head, type Material, type Part, type Point, type Turn } from "./model";
+import { below, Document, FLOAT, list, number, numbers, object, point, positive, sized, splitGlb, UNSIGNED, WIDTHS, type Json } from "./document";
+import { HeadError, type FatEntry, type Head, type Part, type Turn } from "./model";
 
-type Json = Record<string, unknown>;
-type Numbers = Uint8Array | Int16Array | Uint16Array | Uint32Array | Float32Array;
-
-const JSON_CHUNK = 0x4e4f534a;
-const BINARY_CHUNK = 0x004e4942;
-const WIDTHS: Record<string, number> = { SCALAR: 1, VEC2: 2, VEC3: 3 };
-const REQUIRED_PARTS = ["skin", "eye_l", "eye_r", "teeth_upper", "teeth_lower", "tongue"];
-const TYPES: Record<number, { new (data: ArrayBuffer): Numbers; BYTES_PER_ELEMENT: number }> = {
-  5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array,
-};
-const UNSIGNED = [5121, 5123, 5125];
-const FLOAT = [5126];
+const REQUIRED_PARTS = ["skin"];
 
 export function readHead(data: Uint8Array): Head {
   const { document, binary } = splitGlb(data);
   return new Reader(document, binary).head();
 }
 
-function splitGlb(data: Uint8Array): { document: Json; binary: Uint8Array } {
-  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
-  if (data.length < 20 || view.getUint32(0, true) !== 0x46546c67) throw new HeadError("not a GLB file");
-  if (view.getUint32(4, true) !== 2 || view.getUint32(8, true) !== data.length) throw new HeadError("GLB header");
-  const chunks = new Map<number, Uint8Array>();
-  for (let at = 12; at + 8 <= data.length; ) {
-    const [size, kind] = [view.getUint32(at, true), view.getUint32(at + 4, true)];
-    if (at + 8 + size > data.length) throw new HeadError(`the chunk at byte ${at} runs past the end of the file`);
-    if (!chunks.has(kind)) chunks.set(kind, data.subarray(at + 8, at + 8 + size));
-    at += 8 + size;
-  }
-  const json = chunks.get(JSON_CHUNK);
-  if (!json) throw new HeadError("no JSON chunk");
-  try {
-    return { document: object(JSON.parse(new TextDecoder().decode(json)), "JSON"), binary: chunks.get(BINARY_CHUNK) ?? new Uint8Array() };
-  } catch (e) {
-    throw e instanceof HeadError ? e : new HeadError(`JSON chunk: ${(e as Error).message}`);
-  }
-}
-
-/** One document being read; every check says where it stopped. */
-class Reader {
+class Reader extends Document {
   private parts = new Map<string, Part>();
-
-  constructor(private readonly document: Json, private readonly binary: Uint8Array) {}
 
   head(): Head {
     const extras = object(object(this.document.extras, "extras").fapstream, "extras.fapstream");
@@ -96,28 +63,6 @@ class Reader {
     return sized(values, count * WIDTHS[kind], where);
   }
 
-  private material(index: unknown, where: string): Material {
-    const row = index === undefined ? {} : this.item("materials", index, where);
-    const pbr = object(row.pbrMetallicRoughness ?? {}, `${where}.pbrMetallicRoughness`);
-    return {
-      name: String(row.name ?? ""),
-      color: numbers(pbr.baseColorFactor ?? [1, 1, 1, 1], `${where}.baseColorFactor`, 4) as Material["color"],
-      texture: this.image(pbr.baseColorTexture, where),
-      roughness: number(pbr.roughnessFactor ?? 1, `${where}.roughnessFactor`),
-      metallic: number(pbr.metallicFactor ?? (index === undefined ? 0 : 1), `${where}.metallicFactor`),
-      alpha: (row.alphaMode ?? "OPAQUE") as Material["alpha"],
-      cutoff: number(row.alphaCutoff ?? 0.5, `${where}.alphaCutoff`),
-      doubleSided: row.doubleSided === true,
-    };
-  }
-
-  private image(reference: unknown, where: string): Material["texture"] {
-    if (reference === undefined) return null;
-    const texture = this.item("textures", object(reference, where).index, where);
-    const image = this.item("images", texture.source, where);
-    return { data: this.view(image.bufferView, where), mime: String(image.mimeType ?? "") };
-  }
-
   private fat(row: Json, where: string): FatEntry {
     const part = this.named(row.part, where);
     const knots = numbers(row.knots, `${where}.knots`);
@@ -128,7 +73,7 @@ class Reader {
     below(indices, part.positions.length / 3, `${where}.indices`);
     const deltas = this.accessor(row.deltas, "VEC3", [5122], `${where}.deltas`) as Int16Array;
     sized(deltas, knots.length * indices.length * 3, `${where}.deltas`);
-    return { fap: number(row.fap, where), part: part.name, knots, indices, deltas, scale: positive(row.scale, where) };
+    return { drive: drive(row, where), part: part.name, knots, indices, deltas, scale: positive(row.scale, where) };
   }
 
   private turn(row: Json, where: string): Turn {
@@ -147,33 +92,6 @@ class Reader {
     return values instanceof Float32Array ? values : Float32Array.from(values, (w) => w / 255);
   }
 
-  /** A copy of the accessor's numbers, which may lie unaligned in the file. */
-  private accessor(index: unknown, kind: string, types: number[], where: string): Numbers {
-    const row = this.item("accessors", index, where);
-    const type = TYPES[row.componentType as number];
-    if (row.type !== kind || !types.includes(row.componentType as number) || !type || row.sparse) {
-      throw new HeadError(`${where}: accessor is no plain ${kind} of a type that fits`);
-    }
-    const data = this.view(row.bufferView, where);
-    const start = number(row.byteOffset ?? 0, where);
-    const size = number(row.count, where) * WIDTHS[kind] * type.BYTES_PER_ELEMENT;
-    if (start < 0 || size < 0 || start + size > data.length) throw new HeadError(`${where} ends outside its buffer view`);
-    return new type(data.slice(start, start + size).buffer);
-  }
-
-  private view(index: unknown, where: string): Uint8Array<ArrayBuffer> {
-    const row = this.item("bufferViews", index, where);
-    const start = number(row.byteOffset ?? 0, where);
-    const end = start + number(row.byteLength, where);
-    if (start < 0 || end > this.binary.length || row.byteStride) throw new HeadError(`${where}: buffer view`);
-    return new Uint8Array(this.binary.subarray(start, end));
-  }
-
-  private item(table: string, index: unknown, where: string): Json {
-    const row = (this.document[table] as unknown[] | undefined)?.[index as number];
-    return object(row, `${where}: ${table}[${String(index)}]`);
-  }
-
   private named(name: unknown, where: string): Part {
     const part = this.parts.get(name as string);
     if (!part) throw new HeadError(`${where}: there is no part ${JSON.stringify(name)}`);
@@ -181,41 +99,12 @@ class Reader {
   }
 }
 
-function object(value: unknown, where: string): Json {
-  if (!value || typeof value !== "object" || Array.isArray(value)) throw new HeadError(`${where} is missing or no object`);
-  return value as Json;
-}
-
-function list(value: unknown, where: string): unknown[] {
-  if (!Array.isArray(value)) throw new HeadError(`${where} is no list`);
-  return value;
-}
-
-function number(value: unknown, where: string): number {
-  if (typeof value !== "number" || !Number.isFinite(value)) throw new HeadError(`${where}: a number is missing`);
-  return value;
-}
-
-function positive(value: unknown, where: string): number {
-  if (number(value, where) <= 0) throw new HeadError(`${where} is not positive`);
-  return value as number;
-}
-
-function numbers(value: unknown, where: string, count?: number): number[] {
-  const items = list(value, where).map((item) => number(item, where));
-  if (count !== undefined && items.length !== count) throw new HeadError(`${where} needs ${count} numbers`);
-  return items;
-}
-
-function point(value: unknown, where: string): Point {
-  return numbers(value, where, 3) as Point;
-}
-
-function sized<T extends Numbers>(values: T, length: number, where: string): T {
-  if (values.length !== length) throw new HeadError(`${where} has ${values.length} values, not ${length}`);
-  return values;
-}
-
-function below(indices: Uint32Array, count: number, where: string): void {
-  if (indices.some((index) => index >= count)) throw new HeadError(`${where}: there are only ${count} vertices`);
+/** [FAP, coefficient] pairs of a table's `fap` or `drive`. */
+function drive(row: Json, where: string): FatEntry["drive"] {
+  const pairs = row.drive === undefined ? [[row.fap, 1]] : Object.entries(object(row.drive, `${where}.drive`));
+  return pairs.map(([fap, coefficient]) => {
+    const id = Number(fap);
+    if (!Number.isInteger(id) || id < 3 || id > 68) throw new HeadError(`${where}: ${String(fap)} is no FAP from 3 to 68`);
+    return [id, number(coefficient, `${where}.drive`)];
+  });
 }

@@ -2,12 +2,20 @@
 
 export type Point = [number, number, number];
 
+/** Encoded picture, as embedded in the file. */
+export interface Picture {
+  data: Uint8Array<ArrayBuffer>;
+  mime: string;
+}
+
 export interface Material {
   name: string;
   /** Linear RGBA. */
   color: [number, number, number, number];
-  /** Encoded picture, as embedded in the file. */
-  texture: { data: Uint8Array<ArrayBuffer>; mime: string } | null;
+  texture: Picture | null;
+  /** Tangent-space normal map (glTF's normalTexture, +y up), repeated `normalRepeat` times along u and v. */
+  normal: Picture | null;
+  normalRepeat: number;
   roughness: number;
   metallic: number;
   alpha: "OPAQUE" | "MASK" | "BLEND";
@@ -25,9 +33,13 @@ export interface Part {
   material: Material;
 }
 
-/** How one FAP moves `indices` of a part: `deltas` (knots x n x 3), times `scale` metres at each knot. */
+/**
+ * How FAPs move `indices` of a part: `deltas` (knots x n x 3), times `scale` metres at each knot; `knots` are
+ * values of the drive, the sum of coefficient * FAP.
+ */
 export interface FatEntry {
-  fap: number;
+  /** [FAP number, coefficient] pairs; mostly one FAP with coefficient 1. */
+  drive: [number, number][];
   part: string;
   knots: number[];
   indices: Uint32Array;

@@ -1,6 +1,6 @@
 /** Head files over HTTP, each fetched and read once a page. */
 
-import { readHead } from "../head/glb";
+import { readAnyHead } from "../head/foreign";
 import { HeadError, type Head } from "../head/model";
 
 const heads = new Map<string, Promise<Head>>();
@@ -23,5 +23,8 @@ async function fetchHead(url: string): Promise<Head> {
     throw new HeadError(`${url} cannot be reached`);
   }
   if (!response.ok) throw new HeadError(`${url}: HTTP ${response.status}`);
-  return readHead(new Uint8Array(await response.arrayBuffer()));
+  const name = url.split(/[?#]/)[0].split("/").at(-1)!.replace(/\.\w+$/, "");
+  const { head, warnings } = readAnyHead(new Uint8Array(await response.arrayBuffer()), name);
+  for (const warning of warnings) console.warn(`fap-head: ${warning}`);
+  return head;
 }

@@ -9,7 +9,7 @@ describe("readHead", () => {
   it("reads what protocol/HEAD.md has", () => {
     const head = readHead(smallHead());
     expect(head.parts.map(({ name }) => name)).toEqual(["skin", "eye_l", "eye_r", "teeth_upper", "teeth_lower", "tongue"]);
-    expect(head.fat[0]).toMatchObject({ fap: 3, part: "skin", knots: [-100, 200], scale: 0.001 });
+    expect(head.fat[0]).toMatchObject({ drive: [[3, 1]], part: "skin", knots: [-100, 200], scale: 0.001 });
     expect([...head.fat[0].indices]).toEqual([5, 6]);
     expect(head.turns[1].parts).toBeNull();
     expect(head.turns[1].weights.get("skin")?.[5]).toBeCloseTo(0.2);
@@ -26,7 +26,7 @@ describe("readHead", () => {
   it.each<[string, (writer: GlbWriter, extras: Extras) => void]>([
     ["another version", (_, extras) => (extras.version = 2)],
     ["no extras", (writer) => delete writer.document.extras],
-    ["a part missing", (writer) => writer.document.nodes.pop()],
+    ["no skin", (writer) => writer.document.nodes.shift()],
     ["two parts of one name", (writer) => writer.part("skin", [0, 0, 0, 0, 0, 0, 0, 0, 0], [0, 1, 2])],
     ["triangles beyond the vertices", (writer) => writer.part("x", [0, 0, 0], [0, 1, 2])],
     ["corners that make no triangle", (writer) => writer.part("x", [0, 0, 0], [0, 0])],
