@@ -29,6 +29,7 @@ const find = <T extends HTMLElement>(id: string) => document.getElementById(id) 
 const head = find<FapHead>("head");
 const text = find<HTMLTextAreaElement>("text");
 const voice = find<HTMLSelectElement>("voice");
+const face = find<HTMLSelectElement>("face");
 const rate = find<HTMLInputElement>("rate");
 const live = find<HTMLInputElement>("live");
 const speak = find<HTMLButtonElement>("speak");
@@ -49,6 +50,14 @@ function chooseLanguage(next: string): void {
   find("samples").replaceChildren(...texts.map(([label, sample]) => button(label, () => (text.value = sample))));
   text.lang = lang;
   text.value = texts[0][1];
+}
+
+/** Heads by name, the server's own choice first. */
+function offerHeads(names: string[]): void {
+  const wanted = head.getAttribute("head") ?? names[0];
+  const title = (name: string) => name[0].toUpperCase() + name.slice(1);
+  face.replaceChildren(...names.map((name) => new Option(title(name), name, false, name === wanted)));
+  find("faces").hidden = names.length < 2;
 }
 
 function button(label: string, onclick: () => void): HTMLButtonElement {
@@ -109,8 +118,9 @@ function show(name: string, value: string): void {
 const ms = (value: number | null, digits = 0) => (value === null ? "–" : `${value.toFixed(digits)} ms`);
 
 head.addEventListener("ready", (event) => {
-  const server = (event as CustomEvent<{ server: string; voices: Voice[] }>).detail;
+  const server = (event as CustomEvent<{ server: string; voices: Voice[]; heads: string[] }>).detail;
   voices = server.voices;
+  offerHeads(server.heads);
   const kept = text.value;
   if (!voices.some((v) => v.lang === lang)) lang = voices[0]?.lang ?? lang;
   chooseLanguage(lang);
@@ -144,6 +154,7 @@ live.addEventListener("change", () => {
   text.placeholder = live.checked ? "Type: every finished word is spoken at once" : "";
   text.focus();
 });
+face.addEventListener("change", () => head.setAttribute("head", face.value));
 rate.addEventListener("input", () => (find("rate-value").textContent = `${Number(rate.value).toFixed(2)}×`));
 stop.addEventListener("click", () => ((typed = null), void head.interrupt()));
 find("snippet").textContent =

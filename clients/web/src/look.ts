@@ -1,9 +1,14 @@
 /** What the element is made of inside, and how it looks. `part`s and custom properties are its public face. */
 
+import { look } from "./render/look";
+
+/** Behind the head, unless the page wants something else. */
+const BACKGROUND = `radial-gradient(120% 90% at 50% 32%, ${look.background.map(([color, at]) => `${color} ${100 * Number(at)}%`).join(", ")})`;
+
 const STYLE = /* css */ `
 :host {
   display: block; position: relative; overflow: hidden; contain: content; container-type: inline-size; aspect-ratio: 1;
-  background: var(--fap-background, radial-gradient(120% 90% at 50% 32%, #dfe6ec 0%, #b9c5d0 48%, #8494a4 100%));
+  background: var(--fap-background, ${BACKGROUND});
   color: var(--fap-color, #fff); font: 500 1rem/1.4 system-ui, sans-serif;
 }
 :host([hidden]) { display: none; }

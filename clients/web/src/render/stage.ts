@@ -1,17 +1,20 @@
 /** Puts a head on a canvas: geometry that follows the deformer, textures, camera. Knows nothing of time or turns. */
 
 import {
-  BufferAttribute, BufferGeometry, DynamicDrawUsage, LinearMipmapLinearFilter, Mesh, NoToneMapping, PerspectiveCamera,
-  Scene, SRGBColorSpace, Texture, WebGLRenderer, type ShaderMaterial,
+  BufferAttribute, BufferGeometry, DynamicDrawUsage, LinearMipmapLinearFilter, LinearMipmapNearestFilter, Mesh,
+  PerspectiveCamera, RepeatWrapping, Scene, Texture, WebGLRenderer, type RawShaderMaterial,
 } from "three";
 import { Deformer, type Shape } from "../head/deform";
-import type { Head, Material } from "../head/model";
+import type { Head, Material, Picture } from "../head/model";
 import { ordered } from "../head/order";
 import { frame } from "./camera";
-import { materialFor } from "./studio";
+import { layerOf, look } from "./look";
+import { undoTurn } from "./pose";
+import { Shadow } from "./shadow";
+import { materialFor, newShared, type Pictures } from "./studio";
 
-/** What is drawn first hides what lies under it; what is drawn last may be transparent. */
-const LAYERS = ["hair", "shirt", "collar", "skin", "", "cornea", "brow", "lash"];
+/** What a part shows without any picture. */
+const BARE: Pictures = { map: null, normal: null };
 
 export interface StageOptions {
   /** Smooth edges; null where the graphics card does it at no cost worth naming. */
@@ -23,28 +26,37 @@ export interface StageOptions {
 export class Stage {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(20, 1, 0.05, 10);
+  private readonly camera = new PerspectiveCamera(look.fov, 1, 0.05, 10);
+  private readonly shared = newShared();
+  private readonly shadow: Shadow;
   private head: Head | null = null;
   private wanted: Head | null = null;
   private deformer: Deformer | null = null;
+  /** Leave out what is hardly seen, where the processor has to draw. */
+  private readonly thrifty = rendersInSoftware();
+  /** Pictures for which one shadow has to do: where frames are dear, it may be one picture late. */
+  private readonly shadowEvery: number;
+  private pictures = 0;
 
   /** Throws if there is no WebGL2. */
   constructor(private readonly canvas: HTMLCanvasElement, { capture, antialias }: StageOptions) {
-    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: antialias ?? !rendersInSoftware(), preserveDrawingBuffer: capture });
-    this.renderer.toneMapping = NoToneMapping;
-    this.renderer.outputColorSpace = SRGBColorSpace;
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: antialias ?? !this.thrifty, preserveDrawingBuffer: capture });
     this.renderer.setClearColor(0, 0);
+    this.shadowEvery = this.thrifty && !capture ? 2 : 1;
+    this.shadow = new Shadow(this.shared, this.thrifty ? look.shadow.thriftySize : look.shadow.size);
   }
 
   /** Show `head`, in place of the one before. */
   async show(head: Head): Promise<void> {
     this.wanted = head;
-    const textures = await loadTextures(head, rendersInSoftware() ? 1 : 4);
-    if (this.wanted !== head) return textures.forEach((texture) => texture.dispose());
+    const pictures = await loadPictures(head, this.thrifty);
+    if (this.wanted !== head) return pictures.forEach(drop);
     this.clear();
     this.head = head;
     this.deformer = new Deformer(head);
-    for (const shape of this.deformer.shapes) this.scene.add(meshOf(shape, head, textures.get(shape.part.material) ?? null));
+    this.pictures = 0;
+    this.shadow.aim(head);
+    for (const shape of this.deformer.shapes) this.add(shape, head, pictures.get(shape.part.material) ?? BARE);
     this.aim();
   }
 
@@ -57,18 +69,31 @@ export class Stage {
 
   /** Draw the head with the FAPs `values` (69,). False if there is no head yet. */
   draw(values: ArrayLike<number>): boolean {
-    if (!this.deformer) return false;
-    this.deformer.apply(values);
+    if (!this.head) return false;
+    this.pose(values);
+    this.render();
+    return true;
+  }
+
+  /** Put every vertex where the FAPs `values` (69,) want it. */
+  pose(values: ArrayLike<number>): void {
+    this.deformer!.apply(values);
     for (const mesh of this.scene.children as Mesh[]) {
       mesh.geometry.attributes.position.needsUpdate = true;
       mesh.geometry.attributes.normal.needsUpdate = true;
     }
+    undoTurn(this.head!, values, this.shared.rest.value);
+  }
+
+  /** Draw what there is. */
+  render(): void {
+    if (this.pictures++ % this.shadowEvery === 0) this.shadow.draw(this.renderer);
     this.renderer.render(this.scene, this.camera);
-    return true;
   }
 
   dispose(): void {
     this.clear();
+    this.shadow.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
   }
@@ -83,47 +108,60 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
+  private add(shape: Shape, head: Head, pictures: Pictures): void {
+    const { name, material } = shape.part;
+    const mesh = new Mesh(geometryOf(shape), materialFor(shape.part, head, pictures, this.shared, this.thrifty));
+    mesh.frustumCulled = false;
+    mesh.renderOrder = layerOf(name, material.alpha === "BLEND");
+    this.scene.add(mesh);
+    this.shadow.add(shape.part, mesh.geometry, pictures.map);
+  }
+
   private clear(): void {
-    for (const mesh of [...this.scene.children] as Mesh<BufferGeometry, ShaderMaterial>[]) {
+    this.shadow.clear();
+    for (const mesh of [...this.scene.children] as Mesh<BufferGeometry, RawShaderMaterial>[]) {
+      const { map, normalMap } = mesh.material.uniforms;
+      drop({ map: map.value as Texture | null, normal: normalMap.value as Texture | null });
       mesh.geometry.dispose();
-      (mesh.material.uniforms.map.value as Texture | null)?.dispose();
       mesh.material.dispose();
       this.scene.remove(mesh);
     }
   }
 }
 
-function meshOf({ part, positions, normals }: Shape, head: Head, map: Texture | null): Mesh {
+function geometryOf({ part, positions, normals }: Shape): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(positions, 3).setUsage(DynamicDrawUsage));
   geometry.setAttribute("normal", new BufferAttribute(normals, 3).setUsage(DynamicDrawUsage));
   geometry.setAttribute("uv", new BufferAttribute(part.uvs, 2));
   geometry.setIndex(new BufferAttribute(ordered(part.triangles, positions.length / 3), 1));
-  const mesh = new Mesh(geometry, materialFor(part.name, part.material, head, map, rendersInSoftware()));
-  mesh.frustumCulled = false;
-  mesh.renderOrder = layerOf(part.name, part.material.alpha === "BLEND");
-  return mesh;
+  return geometry;
 }
 
-function layerOf(name: string, transparent: boolean): number {
-  const layer = LAYERS.findIndex((start) => start && name.startsWith(start));
-  if (transparent) return LAYERS.length + layer;
-  return layer < 0 ? LAYERS.indexOf("") : layer;
+function drop({ map, normal }: Pictures): void {
+  map?.dispose();
+  normal?.dispose();
 }
 
-async function loadTextures(head: Head, anisotropy: number): Promise<Map<Material, Texture>> {
-  const materials = head.parts.map(({ material }) => material).filter(({ texture }) => texture);
+async function loadPictures(head: Head, thrifty: boolean): Promise<Map<Material, Pictures>> {
+  const load = async (picture: Picture | null) => picture && (await loadTexture(picture, thrifty));
+  const materials = [...new Set(head.parts.map(({ material }) => material))];
   const loaded = materials.map(async (material) => {
-    const { data, mime } = material.texture!;
-    const bitmap = await createImageBitmap(new Blob([data], { type: mime }), { colorSpaceConversion: "none", premultiplyAlpha: "none" });
-    const texture = new Texture(bitmap);
-    texture.flipY = false;
-    texture.anisotropy = anisotropy;
-    texture.minFilter = LinearMipmapLinearFilter;
-    texture.needsUpdate = true;
-    return [material, texture] as const;
+    const [map, normal] = await Promise.all([load(material.texture), load(material.normal)]);
+    return [material, { map, normal }] as const;
   });
   return new Map(await Promise.all(loaded));
+}
+
+async function loadTexture({ data, mime }: Picture, thrifty: boolean): Promise<Texture> {
+  const bitmap = await createImageBitmap(new Blob([data], { type: mime }), { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  const texture = new Texture(bitmap);
+  texture.flipY = false;
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  texture.anisotropy = thrifty ? 1 : 4;
+  texture.minFilter = thrifty ? LinearMipmapNearestFilter : LinearMipmapLinearFilter;
+  texture.needsUpdate = true;
+  return texture;
 }
 
 let software: boolean | undefined;
