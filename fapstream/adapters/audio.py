@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -21,6 +21,38 @@ class AudioUnavailable(FapstreamError):
     """There is no way to play sound here."""
 
     code = "no_audio"
+
+
+Render = Callable[[int, float], Pcm]
+"""(n, time): the next n samples, the first of which will be heard at `time` of the device's clock, s."""
+
+
+class Output:
+    """A sound device that fetches mono int16 sound with `render`, in a thread of its own."""
+
+    def __init__(self, sample_rate: int, render: Render, buffer_ms: int = FRAMES_PER_BUFFER_MS) -> None:
+        """`buffer_ms`: how much is fetched at once; some of these lie waiting. Raises AudioUnavailable."""
+        self._render = render
+        self.late = 0
+        """Times the device was not served in time."""
+        self._audio, self._stream = _open(sample_rate, self._callback, buffer_ms)
+
+    def now(self) -> float:
+        """The device's clock, seconds."""
+        return float(self._stream.get_time())
+
+    def poll(self) -> None:
+        """Nothing to do: the device comes by itself."""
+
+    def close(self) -> None:
+        """Stop at once."""
+        self._stream.close()
+        self._audio.terminate()
+
+    def _callback(self, _in: object, n: int, time: Mapping[str, float], status: int) -> tuple[bytes, int]:
+        self.late += bool(status)
+        at = time["output_buffer_dac_time"] or time["current_time"]
+        return self._render(n, at).astype(np.int16, copy=False).tobytes(), 0
 
 
 class Player:
@@ -40,7 +72,10 @@ class Player:
         self.given = 0
         self.heard = 0
         """Samples heard."""
-        self._audio, self._stream = _open(sample_rate, self._callback)
+        try:
+            self._audio, self._stream = _open(sample_rate, self._callback)
+        except AudioUnavailable as e:
+            raise AudioUnavailable(f"{e}; or write a file with --wav") from e
         self._latency = round(self._stream.get_output_latency() * sample_rate)
 
     def write(self, pcm: Pcm) -> None:
@@ -76,24 +111,22 @@ class Player:
         return out.tobytes(), 0
 
 
-def _open(sample_rate: int, callback: Any) -> tuple[Any, Any]:
+def _open(sample_rate: int, callback: Any, buffer_ms: int = FRAMES_PER_BUFFER_MS) -> tuple[Any, Any]:
     try:
         import pyaudio
     except ImportError:
-        raise AudioUnavailable(
-            "playing needs the extra fapstream[play] (PyAudio); or write a file with --wav"
-        ) from None
+        raise AudioUnavailable("playing needs PyAudio: pip install 'fapstream[play]'") from None
     with _quiet():
         audio = pyaudio.PyAudio()
     try:
         with _quiet():
             stream = audio.open(
                 rate=sample_rate, channels=1, format=pyaudio.paInt16, output=True,
-                frames_per_buffer=sample_rate * FRAMES_PER_BUFFER_MS // 1000, stream_callback=callback,
+                frames_per_buffer=sample_rate * buffer_ms // 1000, stream_callback=callback,
             )  # fmt: skip
     except OSError as e:
         audio.terminate()
-        raise AudioUnavailable(f"no sound device can be opened ({e}); write a file with --wav") from e
+        raise AudioUnavailable(f"no sound device can be opened ({e})") from e
     return audio, stream
 
 

@@ -7,10 +7,10 @@ import sys
 from collections.abc import Sequence
 
 from fapstream import __version__
-from fapstream.cli import phonemes, say, serve, voices
+from fapstream.cli import convert, head, phonemes, say, serve, view, voices
 from fapstream.errors import FapstreamError
 
-COMMANDS = (say, serve, phonemes, voices)
+COMMANDS = (say, serve, phonemes, view, voices, convert, head)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -1,8 +1,11 @@
-"""Time: packets on the audio clock, and when they leave."""
+"""Time: packets on the audio clock, when they leave, and which sample of them is being heard."""
 
 from __future__ import annotations
 
+from fapstream.stream.buffer import TurnBuffer
+from fapstream.stream.heard import Heard
 from fapstream.stream.pacer import Pacer
 from fapstream.stream.packetizer import PACKET_MS, Packetizer
+from fapstream.stream.playback import Playback
 
-__all__ = ["PACKET_MS", "Pacer", "Packetizer"]
+__all__ = ["PACKET_MS", "Heard", "Pacer", "Packetizer", "Playback", "TurnBuffer"]

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from fapstream.server import packaged_heads
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -33,7 +35,8 @@ def run(installed: Path, *arguments: str) -> str:
 
 
 def test_the_client_and_a_head_travel_with_it(installed: Path) -> None:
-    for name in ("server/web/fap-head.js", "server/web/index.html", "assets/heads/generic.glb"):
+    needed = ["server/web/fap-head.js", "server/web/index.html", "assets/look/head.frag", "assets/look/look.json"]
+    for name in (*needed, *(f"assets/heads/{head}.glb" for head in packaged_heads())):
         assert (installed / "fapstream" / name).stat().st_size > 500, name
     [information] = installed.glob("fapstream-*.dist-info")
     assert {p.name for p in (information / "licenses").iterdir()} == {"LICENSE", "NOTICE"}

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fapstream.adapters import audio
-from fapstream.adapters.audio import AudioUnavailable, Player
+from fapstream.adapters.audio import AudioUnavailable, Output, Player
 
 RATE = 16000
 LATENCY = 800
@@ -36,7 +36,7 @@ class Device:
 @pytest.fixture
 def device(monkeypatch: pytest.MonkeyPatch) -> Device:
     made = Device()
-    monkeypatch.setattr(audio, "_open", lambda rate, callback: (made, made))
+    monkeypatch.setattr(audio, "_open", lambda rate, callback, buffer_ms=0: (made, made))
     return made
 
 
@@ -98,6 +98,26 @@ def test_sound_after_a_gap_takes_nothing_back(device: Device) -> None:
     assert heard == sorted(heard)
     assert heard[11] == 320
     assert heard[-1] == 960
+
+
+def test_an_output_fetches_and_tells_when_it_will_be_heard(device: Device) -> None:
+    asked: list[tuple[int, float]] = []
+
+    def render(n: int, at: float) -> np.ndarray:
+        asked.append((n, at))
+        return np.arange(n, dtype=np.int16)
+
+    device.get_time = lambda: 12.5  # type: ignore[attr-defined]
+    output = Output(RATE, render)
+    times = {"current_time": 7.0, "output_buffer_dac_time": 7.25}
+    assert output._callback(None, 4, times, 0) == (np.arange(4, dtype=np.int16).tobytes(), 0)
+    output._callback(None, 2, {**times, "output_buffer_dac_time": 0.0}, 4)
+    assert asked == [(4, 7.25), (2, 7.0)]
+    assert (output.late, output.now()) == (1, 12.5)
+    output.poll()
+    output.close()
+    assert device.closed
+    assert device.terminated
 
 
 def test_close(device: Device) -> None:

@@ -1,0 +1,66 @@
+"""Which face to show: the turn's at the heard sample, idle life when nothing is said.
+
+Where one takes over from the other, what was shown lasts as an offset that dies away: nothing jumps, and lips
+are on time. The same as the web client's.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fapstream.motion.chance import minimum_jerk
+from fapstream.motion.idle import IdleLife, life
+from fapstream.motion.mixer import Mouth, Streams, mix
+from fapstream.records import N_FAPS
+from fapstream.stream import Heard, TurnBuffer
+
+HEAD, EYES = [47, 48, 49], [22, 23, 24, 25]
+MOOD = [30, 31, 32, 33, 34, 35, 36, 37, 40, 41, 60, 61, 62, 63]
+"""Columns of FAPs; of brows, cheeks and nose."""
+LIPS_S, MOOD_S, HEAD_S, EYES_S, LIDS_S = 0.15, 0.6, 0.7, 0.06, 0.16
+"""How long what was shown before lasts: lips go at once, moods and heads take their time, eyes leap."""
+LONGEST_STEP_S = 0.25
+"""Idle life takes no longer steps: after a halt it does not catch up on its blinks."""
+
+Face = NDArray[np.float64]
+
+
+class FaceMixer:
+    """`seed`: of idle life; None for none. Faces are float64 (68,), FAP n at n-1."""
+
+    def __init__(self, seed: int | None) -> None:
+        self._life = None if seed is None else IdleLife(seed, "listen")
+        lids = [int(fap) - 1 for fap in life()["blink"]["shut"]]
+        self._alive = [*HEAD, *EYES, *lids]
+        self._fades = np.full(N_FAPS, LIPS_S)
+        for columns, fade in ((MOOD, MOOD_S), (HEAD, HEAD_S), (EYES, EYES_S), (lids, LIDS_S)):
+            self._fades[columns] = fade
+        self._shown, self._offset = np.zeros(N_FAPS), np.zeros(N_FAPS)
+        self._source: tuple[int | None, bool] | None = None
+        self._since = self._lived = 0.0
+        self._time: float | None = None
+
+    def show(self, buffer: TurnBuffer | None, heard: Heard | None, now: float) -> Face:
+        """The face at `now` (s), which never goes back. `buffer` is the heard turn's, None if none has it."""
+        step = 0.0 if self._time is None else max(0.0, now - self._time)
+        self._time = now
+        self._since += step
+        self._lived += min(step, LONGEST_STEP_S)
+        if buffer is None or heard is None or heard.state == "over":
+            target, lives, turn = np.zeros(N_FAPS), True, None
+        else:
+            target, lives, turn = buffer.face(heard.sample), heard.state == "waiting", heard.turn
+        if lives and self._life is not None:
+            still = np.zeros(N_FAPS)
+            idle = mix(Streams(Mouth(still), still, still, self._life.at(self._lived)))
+            target[self._alive] = idle[self._alive]
+        return self._blend(target, (turn, lives))
+
+    def _blend(self, target: Face, source: tuple[int | None, bool]) -> Face:
+        if source != self._source:
+            self._offset = np.zeros(N_FAPS) if self._source is None else self._shown - target
+            self._source, self._since = source, 0.0
+        left = [1 - minimum_jerk(self._since / fade) for fade in self._fades]
+        self._shown = target + self._offset * left
+        return self._shown

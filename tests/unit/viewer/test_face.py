@@ -1,0 +1,111 @@
+"""The turn's face and idle life, and what lies between."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fapstream.records import FapFrame, Packet
+from fapstream.stream import Heard, TurnBuffer
+from fapstream.stream.heard import State
+from fapstream.viewer.face import FaceMixer
+
+JAW, PITCH = 2, 47
+
+
+def at(sample: float, state: State = "playing") -> Heard:
+    return Heard(1, sample, state)
+
+
+@pytest.fixture
+def buffer() -> TurnBuffer:
+    found = TurnBuffer()
+    for k in range(10):
+        values = np.zeros(68, np.int32)
+        values[JAW], values[PITCH] = 100 * k, 5000
+        found.push(Packet(1, 640 * k, np.zeros(640, np.int16), (FapFrame(640 * k, values),)))
+    return found
+
+
+def test_lips_are_those_of_the_heard_sample_from_the_first_on(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(1)
+    mixer.show(None, None, 0)
+    for k in range(10):
+        assert mixer.show(buffer, at(640 * k), 0.04 * (k + 1))[JAW] == pytest.approx(100 * k)
+
+
+def test_a_turn_met_in_its_middle_is_caught_up_with(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(1)
+    mixer.show(None, None, 0)
+    assert mixer.show(buffer, at(640 * 5), 0.01)[JAW] < 100
+    assert mixer.show(buffer, at(640 * 5), 0.17)[JAW] == 500
+
+
+def test_the_head_is_taken_over_softly_wholly_after_its_time(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(1)
+    idle = [mixer.show(None, None, t)[PITCH] for t in np.arange(0, 10, 0.02)][-1]
+    assert abs(mixer.show(buffer, at(100), 10.02)[PITCH] - idle) < 0.1 * 5000
+    assert mixer.show(buffer, at(3200), 10.8)[PITCH] == 5000
+
+
+def test_it_never_jumps_where_a_turn_begins_waits_goes_on_and_ends(buffer: TurnBuffer) -> None:
+    """100 pictures a second; FAP 19 may step as far as in a blink."""
+
+    def heard(t: float) -> Heard | None:
+        return None if t < 3 or t > 6 else at(3200, "waiting" if 4 < t < 5 else "playing")
+
+    mixer = FaceMixer(1)
+    shown = np.array([mixer.show(buffer if heard(t) else None, heard(t), t) for t in np.arange(0, 9, 0.01)])
+    most = np.abs(np.diff(shown, axis=0)).max(axis=0)
+    assert most[JAW] < 70
+    assert most[PITCH] < 250
+    assert most[18] < 350
+    assert (most[mixer._alive] > 0).all()
+
+
+def test_it_stands_still_while_starved_and_lives_while_the_text_has_run_dry(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(1)
+    mixer.show(buffer, at(640), 0)
+    mixer.show(buffer, at(640), 1)
+    starved = [mixer.show(buffer, at(640, "starved"), t) for t in (5, 9)]
+    assert np.array_equal(*starved)
+    mixer.show(buffer, at(640, "waiting"), 10)
+    dry = mixer.show(buffer, at(640, "waiting"), 11)
+    assert dry[PITCH] != 5000
+    assert dry[JAW] == 100
+
+
+def test_lips_ease_to_neutral_when_the_turn_lets_go(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(1)
+    last = mixer.show(buffer, at(640 * 8), 0)[JAW]
+    for k in range(1, 30):
+        now = mixer.show(buffer, at(640 * 8, "over"), k / 100)[JAW]
+        assert -1e-6 <= last - now < 110
+        last = now
+    assert last == pytest.approx(0, abs=1e-6)
+
+
+def test_between_turns_it_lives_and_the_same_seed_lives_the_same(buffer: TurnBuffer) -> None:
+    one, two, other = FaceMixer(1), FaceMixer(1), FaceMixer(2)
+    times = np.arange(0, 20, 0.05)
+    lives = [np.array([mixer.show(None, None, t) for t in times]) for mixer in (one, two, other)]
+    assert np.array_equal(lives[0], lives[1])
+    assert not np.array_equal(lives[0], lives[2])
+    assert lives[0][:, 18].max() > 500, "no blink in 20 s"
+    assert not np.delete(lives[0], one._alive, axis=1).any()
+
+
+def test_without_idle_life_the_frames_are_shown_as_they_are(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(None)
+    for k in range(10):
+        assert np.array_equal(mixer.show(buffer, at(640 * k), k / 25), buffer.face(640 * k))
+    mixer.show(None, None, 9)
+    assert not mixer.show(None, None, 10).any()
+
+
+def test_after_a_halt_it_does_not_catch_up_on_its_life() -> None:
+    halted, other = FaceMixer(1), FaceMixer(1)
+    halted.show(None, None, 0)
+    other.show(None, None, 0)
+    late = halted.show(None, None, 1000)
+    assert np.array_equal(late, other.show(None, None, 0.25))
