@@ -25,11 +25,11 @@ from head_parts.surface import (
 ARM_BONES = ("upperarm01", "upperarm02", "lowerarm01", "lowerarm02", "wrist")
 ARM_DROP_RAD = 0.60
 CUT_LOW, CUT_WIDE = 4.55, 2.6
-LIP_INNER, LIP_OUTER = (474, 493), (455, 492)
+LIP_INNER, LIP_OUTER = (520, 523), (455, 492)
 """Midline vertices (upper, lower) of the two lip contours' edge loops."""
 LIP_SEAL = {(468, 494): 0.6, (474, 493): 0.9, (520, 523): 1.0, (537, 540): 0.8, (554, 557): 0.4}
 """Edge loops of the lips, and how far each follows when they are closed."""
-LIP_CONTACT, LIP_OVERLAP = (520, 523), 0.005
+LIP_CONTACT, LIP_OVERLAP = LIP_INNER, 0.002
 NOSE_TIP, PALATE = 294, 639
 MARGIN_RING = 2
 """Edge loops from the rim of the socket's chart to the visible margin of the lids."""
@@ -96,7 +96,7 @@ def cut(source: Source, shape: Array) -> Bust:
     shape = _sealed(rings, step, shape, control)
     points = step.matrix @ shape[control]
     triangles = triangulate(step.faces)
-    contours = [_contour(rings, quads, control, points, pair) for pair in (LIP_INNER, LIP_OUTER)]
+    contours = [_contour(rings, quads, control, points, pair[0]) for pair in (LIP_INNER, LIP_OUTER)]
     skin = Skin(points, triangles, normals(points, triangles), *contours)
     eyes = {side: _eye(source, shape, quads, charts, points, len(control), side) for side in "lr"}
     return Bust(shape, control, quads, step, skin, eyes, charts)
@@ -114,12 +114,14 @@ def _sealed(rings: Rings, step: Subdivision, shape: Array, control: Ints) -> Arr
         loops[pair] = (loop[order], loop[half - order], share)
     shape = shape.copy()
     upper, lower, _ = loops[LIP_CONTACT]
-    for _ in range(6):
+    for _ in range(12):
         fine = step.matrix @ shape[control]
-        gap = fine[upper, 1] - fine[lower, 1] + LIP_OVERLAP
+        over, under = fine[upper], fine[lower]
+        sink = over[:, 1] - np.interp(over[:, 0], under[:, 0], under[:, 1]) + LIP_OVERLAP
+        lift = np.interp(under[:, 0], over[:, 0], over[:, 1]) - under[:, 1] + LIP_OVERLAP
         for above, below, share in loops.values():
-            shape[control[above], 1] -= 0.5 * share * gap
-            shape[control[below], 1] += 0.5 * share * gap
+            shape[control[above], 1] -= 0.5 * share * sink
+            shape[control[below], 1] += 0.5 * share * lift
     return shape
 
 
@@ -154,23 +156,19 @@ def _with_midpoints(loop: list[int], quads: Ints, count: int) -> Ints:
     return np.array(fine)
 
 
-def _contour(rings: Rings, quads: Ints, control: Ints, points: Array, pair: tuple[int, int]) -> Contour:
-    """The edge loop through two midline vertices; places run evenly by arc length from the middle."""
-    top, bottom = (int(np.searchsorted(control, vertex)) for vertex in pair)
+def _contour(rings: Rings, quads: Ints, control: Ints, points: Array, middle: int) -> Contour:
+    """The edge loop through a midline vertex; a place is how far to the left, the corner being 1.
+
+    By x, not by arc: what is above one another on two contours has one place, and moves together.
+    """
+    top = int(np.searchsorted(control, middle))
     first = next(v for v in sorted(rings.neighbours[top]) if points[v, 0] > 1e-3)
-    loop = rings.follow(top, first)
-    vertices = _with_midpoints(loop, quads, len(control))
-    lower = int(np.flatnonzero(vertices == bottom)[0])
-    line = points[vertices]
-    steps = np.linalg.norm(np.roll(line, -1, 0) - line, axis=1)
-    along = np.r_[0, np.cumsum(steps)[:-1]]
-    left = int(np.argmax(line[:, 0]))
-    right = int(np.argmin(line[:, 0]))
-    total = steps.sum()
-    anchors = [0, along[left], along[lower], along[right], total]
-    places = np.interp(along, anchors, [0, 1, 2, 3, 4])
-    upper = (places <= 1) | (places >= 3)
-    lateral = np.where(places <= 1, places, np.where(places <= 3, 2 - places, places - 4))
+    vertices = _with_midpoints(rings.follow(top, first), quads, len(control))
+    across = points[vertices, 0]
+    left, right = int(np.argmax(across)), int(np.argmin(across))
+    number = np.arange(len(vertices))
+    upper = (number <= left) | (number >= right)
+    lateral = across / np.where(across > 0, across[left], -across[right])
     for node, half in ((0.5, upper), (-0.5, upper), (0.5, ~upper), (-0.5, ~upper)):
         lateral[np.argmin(np.abs(lateral - node) + np.where(half, 0, 9))] = node
     return Contour(vertices, lateral, upper)

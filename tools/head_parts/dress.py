@@ -1,30 +1,29 @@
-"""Hair and shirt, and what of the skin they leave to be seen. Decimetres."""
+"""The shirt, and what of the skin it and the hair leave to be seen. Decimetres."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy import ndimage
-from scipy.interpolate import PchipInterpolator
 from scipy.spatial import cKDTree
 
 from head_parts import paint
 from head_parts.assemble import Piece
 from head_parts.bust import Bust
-from head_parts.features import Mesh, facing, grid
+from head_parts.features import Mesh, facing, grid, joined
+from head_parts.hair import Scalp, smoothstep
+from head_parts.people import ShirtLook
 from head_parts.source import Source
-from head_parts.surface import Array, Ints, edges_of, laplacian, normals, triangulate
+from head_parts.surface import Array, Ints, edges_of, laplacian, mixed_triangles
 
-SKULL = np.array([0.0, 7.62, 0.40])
-"""Where hair is measured from: directions for its mesh, the axis of its azimuth."""
-HAIRLINE = (
-    # azimuth from the front in degrees, height over the eyes
-    (0, 0.665), (15, 0.66), (28, 0.60), (38, 0.47), (46, 0.25), (52, 0.04), (58, -0.17), (63, -0.20),
-    (68, -0.15),
-    (74, 0.06), (85, 0.14), (97, 0.08), (104, -0.16), (112, -0.42), (125, -0.60), (150, -0.70), (180, -0.72),
-)  # fmt: skip
 NECKLINE = (5.70, 0.34)
 """The collar's plane: height at z = 0.85, and slope towards the back."""
+ROUND = 0.10
+"""How round the neckline is where it meets the shoulders."""
 SHIRT_GAP = 0.05
+LARGE_DM2 = 1.5e-3
+"""Quads of the face larger than this are subdivided."""
+CHIN_CLEAR, FINE_FROM = 6.05, 5.74
+"""Heights: below the first all is torso; above the second the shirt is finely made."""
 HEAD_BONES = (
     "head",
     "jaw",
@@ -41,30 +40,6 @@ HEAD_BONES = (
 NECK_SHARES = {"neck03": 0.85, "neck02": 0.55, "neck01": 0.22}
 
 
-def smoothstep(low: float, high: float, value: Array) -> Array:
-    t = np.clip((value - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
-
-
-def azimuth(points: Array) -> Array:
-    """Degrees from the front, 0..180, about the vertical through the skull."""
-    offset = points - SKULL
-    return np.degrees(np.arctan2(np.abs(offset[..., 0]), offset[..., 2]))
-
-
-def above_hairline(points: Array, eye_y: float) -> Array:
-    """Distance inside the hairline, negative outside, of points on the scalp."""
-    table = np.array(HAIRLINE)
-    line = PchipInterpolator(table[:, 0], table[:, 1] + eye_y)
-    at = azimuth(points)
-    offset = points - SKULL
-    reach = np.maximum(np.hypot(offset[..., 0], offset[..., 2]), 0.3)
-    slope = line(at, 1) / (np.radians(1) * reach)
-    above = points[..., 1] - line(at)
-    across = np.maximum(above / np.sqrt(1 + slope**2), above - 0.36)
-    return np.where(above < -0.15, above / 2, across)
-
-
 def ear_mask(source: Source, bust: Bust) -> Array:
     """(n,) on the fine skin: 1 on the ears, falling off around them."""
     values = np.zeros(len(source.base))
@@ -76,119 +51,58 @@ def ear_mask(source: Source, bust: Bust) -> Array:
     return 1 - smoothstep(0.0, 0.12, gap)
 
 
-def visible_skin(bust: Bust) -> np.ndarray:
-    """bool per coarse quad: the face and neck, to a little under the collar."""
-    centre = bust.step.matrix[: len(bust.control)] @ bust.shape[bust.control]
-    above = _over_neckline(centre[bust.quads]).max(1) > -0.10
-    return ((bust.charts == 0) | (bust.charts == 3)) & above
-
-
-def worth_detail(bust: Bust) -> np.ndarray:
-    """bool per coarse quad: the front of the face, where finer triangles show."""
+def visible_skin(bust: Bust, scalp: Scalp, look: ShirtLook) -> np.ndarray:
+    """bool per coarse quad: the face and neck, to a little under the collar; not what a cap hides."""
     points = bust.skin.points[: len(bust.control)]
-    centre = points[bust.quads].mean(1)
+    above = _over_neckline(points, look)[bust.quads].max(1) > -0.10
+    hidden = (scalp.inside(points)[bust.quads].min(1) > 0.30) & (scalp.ears[bust.quads].max(1) < 0.01)
+    hidden &= points[bust.quads][..., 1].min(1) > bust.eyes["l"].centre[1]
+    return ((bust.charts == 0) | (bust.charts == 3)) & above & ~hidden
+
+
+def worth_detail(bust: Bust, scalp: Scalp) -> np.ndarray:
+    """bool per coarse quad: lips, lids, and what is large on the front of the face."""
+    points = bust.skin.points[: len(bust.control)]
+    corners = points[bust.quads]
+    centre = corners.mean(1)
     front = (
-        (centre[:, 2] > 0.75) & (centre[:, 1] > 6.28) & (centre[:, 1] < 7.86) & (np.abs(centre[:, 0]) < 0.60)
+        (centre[:, 2] > 0.90) & (centre[:, 1] > 6.32) & (centre[:, 1] < 7.64) & (np.abs(centre[:, 0]) < 0.56)
     )
-    scalp = above_hairline(points, bust.eyes["l"].centre[1])[bust.quads].min(1) > 0.08
-    nostril = (bust.skin.normals[: len(points)][bust.quads].mean(1)[:, 1] < -0.5) & (centre[:, 1] > 6.93)
-    return front & ~scalp & ~nostril & (bust.charts == 0)
+    area = np.linalg.norm(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1) / 2
+    lips = bust.skin.points[bust.skin.outer.vertices]
+    near_lips = ((centre > lips.min(0) - 0.03) & (centre < lips.max(0) + 0.03)).all(1)
+    eye = bust.eyes["l"].centre
+    near_eyes = np.hypot((np.abs(centre[:, 0]) - eye[0]) * 0.75, centre[:, 1] - eye[1]) < 0.125
+    covered = scalp.inside(points)[bust.quads].min(1) > 0.08
+    return front & ~covered & (bust.charts == 0) & (near_lips | near_eyes | (area > LARGE_DM2))
 
 
-def hair(source: Source, bust: Bust) -> Piece:
-    """A height field over the skull with locks along the strands; it leaves the skin at the hairline."""
-    eye_y = bust.eyes["l"].centre[1]
-    polar = np.radians(np.r_[0.5, np.linspace(5, 60, 15), np.linspace(62.5, 152, 32)])
-    turn = np.linspace(0, 2 * np.pi, 78, endpoint=False)
-    t, a = np.meshgrid(polar, turn, indexing="ij")
-    direction = np.stack([np.sin(t) * np.sin(a), np.cos(t), np.sin(t) * np.cos(a)], -1)
-    scalp = SKULL + direction * _scalp_radius(source, bust, direction)[..., None]
-    strand, length = strands(direction)
-    rng = np.random.default_rng(7)
-    locks = _noise1(rng, 220, strand * 16) * 0.65 + _noise1(rng, 500, strand * 38) * 0.35
-    inside = above_hairline(scalp, eye_y) + 0.014 * _noise1(rng, 300, strand * 30)
-    high = smoothstep(0.15, 0.85, scalp[..., 1] - eye_y)
-    front = smoothstep(0.3, 0.95, scalp[..., 2] - SKULL[2]) * high
-    body = 0.045 + 0.115 * high + 0.045 * front - 0.02 * smoothstep(-0.2, -0.7, scalp[..., 1] - eye_y)
-    rise = np.sqrt(smoothstep(-0.01, 0.16, inside) + 1e-6) * (0.25 + 0.75 * smoothstep(0.0, 0.35, inside))
-    parting = np.exp(-((length / 0.09) ** 2)) * 0.025 * high * smoothstep(1.5, 0.9, strand)
-    height = (
-        body * rise
-        + 0.016 * locks * smoothstep(0.02, 0.2, inside) * (0.5 + high) * smoothstep(0.05, 0.9, length)
-        - parting
-    )
-    height = np.where(inside > 0, height, np.maximum(inside * 0.6, -0.05))
-    mesh = grid(
-        scalp + direction * height[..., None], np.stack([strand * 1.6, 0.05 + length * 0.55], -1), closed=True
-    )
-    used = (inside.ravel() > -0.05)[mesh.triangles].any(1)
-    mesh = facing(_trimmed(mesh, used), direction.reshape(-1, 3)[np.unique(mesh.triangles[used])])
-    return Piece.of("hair", mesh, paint.hair_material())
-
-
-def strands(direction: Array) -> tuple[Array, Array]:
-    """For directions on the skull: which strand, and how far along it from the parting (radians)."""
-    polar = np.arccos(np.clip(direction[..., 1], -1, 1))
-    flat = polar[..., None] * np.stack([direction[..., 0], direction[..., 2]], -1)
-    flat /= np.maximum(np.sin(polar), 1e-6)[..., None]
-    start, end = np.array([0.36, 1.20]), np.array([0.10, -0.45])
-    line = end - start
-    length = np.linalg.norm(line)
-    offset = flat - start
-    along = offset @ line / length
-    aside = np.abs(offset[..., 0] * line[1] - offset[..., 1] * line[0]) / length
-    beyond = np.where(along > length, along - length, np.where(along < 0, along, 0))
-    angle = np.arctan2(beyond, aside)
-    return np.clip(along, 0, length) + 0.55 * angle, np.hypot(aside, beyond)
-
-
-def _scalp_radius(source: Source, bust: Bust, direction: Array) -> Array:
-    """Distance from the skull's centre to the head without its ears, smoothed."""
-    ears = ear_mask(source, bust)
-    points = bust.skin.points
-    outside = np.zeros(len(points), bool)
-    outside[np.unique(bust.step.faces.reshape(4, -1, 4)[:, bust.charts == 0])] = True
-    outside &= (ears < 0.02) & (points[:, 1] > 6.2)
-    offset = points[outside] - SKULL
-    reach = np.linalg.norm(offset, axis=1)
-    gap, index = cKDTree(offset / reach[:, None]).query(direction.reshape(-1, 3), k=48)
-    weight = np.exp(-0.5 * (gap / 0.055) ** 2) + 1e-12
-    radius = ((weight * reach[index]).sum(1) / weight.sum(1)).reshape(direction.shape[:2])
-    return ndimage.gaussian_filter(radius, (1.0, 1.0), mode=("nearest", "wrap"))
-
-
-def _noise1(rng: np.random.Generator, count: int, at: Array) -> Array:
-    """Smooth noise of unit size, about one wave per unit of `at`."""
-    values = rng.uniform(-1, 1, count)
-    return ndimage.map_coordinates(
-        values, [np.asarray(at).ravel() + count / 2], order=3, mode="grid-wrap"
-    ).reshape(at.shape)
-
-
-def _trimmed(mesh: Mesh, used: np.ndarray) -> Mesh:
-    keep, triangles = np.unique(mesh.triangles[used], return_inverse=True)
-    return Mesh(mesh.points[keep], mesh.uvs[keep], triangles.reshape(-1, 3))
-
-
-def _over_neckline(points: Array) -> Array:
+def _over_neckline(points: Array, look: ShirtLook) -> Array:
     height, slope = NECKLINE
-    plane = points[..., 1] - (height + slope * (0.85 - points[..., 2]))
-    return np.minimum(plane, 2 * (1.0 - np.abs(points[..., 0])))
+    plane = points[..., 1] - (height + look.neckline + slope * (0.85 - points[..., 2]))
+    beside = 2 * (1.0 - np.abs(points[..., 0]))
+    return np.asarray(-ROUND * np.logaddexp(-plane / ROUND, -beside / ROUND))
 
 
-def clothes(bust: Bust) -> dict[str, Piece]:
-    """A plain shirt over the torso, cut at the neckline, and its collar."""
-    torso = bust.quads[bust.charts == 3]
+def clothes(bust: Bust, look: ShirtLook) -> Piece:
+    """A plain shirt over the torso, cut at the neckline, with its collar."""
     skin = bust.skin
+    centre = skin.points[: len(bust.control)][bust.quads].mean(1)
+    torso = (bust.charts == 3) | ((bust.charts == 0) & (centre[:, 1] < CHIN_CLEAR))
+    fine = torso & (centre[:, 1] > FINE_FROM)
     matrix, _ = laplacian(skin.points, skin.triangles)
-    points = _relaxed(skin.points + skin.normals * SHIRT_GAP, matrix, 6)
-    points, triangles = clip(points, triangulate(torso), -_over_neckline(points))
-    shirt = Mesh(points, np.zeros((len(points), 2)), triangles)
-    ring = _collar(points, triangles)
-    return {
-        "shirt": Piece.of("shirt", shirt, paint.SHIRT),
-        "collar": Piece.of("collar", ring, paint.SHIRT),
-    }
+    points = _relaxed(skin.points + skin.normals * SHIRT_GAP, matrix, 14)
+    triangles = mixed_triangles(bust.quads, len(bust.control), torso, fine)
+    points, triangles = clip(points, triangles, -_over_neckline(points, look))
+    shirt = Mesh(points, cloth_uvs(points), triangles)
+    mesh = joined([shirt, _collar(points, triangles, look)])
+    return Piece.of("shirt", mesh, paint.shirt_material(look.colour))
+
+
+def cloth_uvs(points: Array) -> Array:
+    """Texture coordinates (n, 2) of cloth, as if hung from the shoulders: ten tiles a decimetre."""
+    around = np.arctan2(points[:, 0], points[:, 2] - 0.3) * 1.4
+    return np.stack([around, -points[:, 1]], 1) * 10.0
 
 
 def _relaxed(points: Array, matrix: object, rounds: int) -> Array:
@@ -229,16 +143,16 @@ def clip(points: Array, triangles: Ints, inside: Array) -> tuple[Array, Ints]:
     return everything[used], compact.reshape(-1, 3)
 
 
-def _collar(points: Array, triangles: Ints) -> Mesh:
+def _collar(points: Array, triangles: Ints, look: ShirtLook) -> Mesh:
     """A rib along the shirt's upper border."""
     edges, _, counts = edges_of(np.c_[triangles, triangles[:, :1]][:, :3])
     rim = np.unique(edges[counts == 1])
-    rim = rim[np.abs(_over_neckline(points[rim])) < 1e-6]
+    rim = rim[np.abs(_over_neckline(points[rim], look)) < 0.03]
     line = points[rim]
     centre = line.mean(0)
     order = np.argsort(np.arctan2(line[:, 0] - centre[0], line[:, 2] - centre[2]))
     line = line[order]
-    even = np.linspace(0, len(line), 53)[:-1]
+    even = np.linspace(0, len(line), 41)[:-1]
     smooth = ndimage.gaussian_filter1d(line, 1.5, axis=0, mode="wrap")
     path = np.stack(
         [np.interp(even, np.arange(len(line) + 1), np.r_[smooth[:, k], smooth[0, k]]) for k in range(3)], 1
@@ -250,14 +164,14 @@ def _collar(points: Array, triangles: Ints) -> Mesh:
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     up = np.cross(ahead, outward)
     up *= np.sign(up[:, 1:2])
-    turn = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    turn = np.linspace(0, 2 * np.pi, 6, endpoint=False)
     points = (
         path[None]
         + (0.022 * np.cos(turn))[:, None, None] * outward[None]
         + (0.075 * np.sin(turn) + 0.01)[:, None, None] * (0.9 * up - 0.35 * outward)[None]
     )
     points = np.concatenate([points, points[:1]])
-    mesh = grid(points, np.zeros((*points.shape[:2], 2)), closed=True)
+    mesh = grid(points, cloth_uvs(points.reshape(-1, 3)).reshape(*points.shape[:2], 2), closed=True)
     return facing(mesh, (points - path[None]).reshape(-1, 3))
 
 
@@ -279,6 +193,3 @@ def spread(points: Array, values: Array, wanted: Array) -> Array:
     """Values of the nearest points."""
     found: Array = values[cKDTree(points).query(wanted)[1]]
     return found
-
-
-__all__ = ["clothes", "ear_mask", "hair", "neck_weights", "normals", "spread", "visible_skin", "worth_detail"]

@@ -1,4 +1,4 @@
-"""The parts made from nothing: eyeballs, teeth with gums. Decimetres."""
+"""Meshes over grids, and lashes. Decimetres."""
 
 from __future__ import annotations
 
@@ -8,15 +8,8 @@ import numpy as np
 
 from head_parts.surface import Array, Ints, normals, triangulate
 
-IRIS_RAD, PUPIL_RAD, EYE_SPAN_RAD = 0.415, 0.15, 2.0
-TOOTH_WIDTHS = {
-    "upper": (0.085, 0.066, 0.074, 0.068, 0.066, 0.098),
-    "lower": (0.053, 0.058, 0.066, 0.068, 0.070, 0.105),
-}
-TOOTH_HEIGHTS = {
-    "upper": (0.100, 0.090, 0.097, 0.082, 0.076, 0.070),
-    "lower": (0.086, 0.086, 0.094, 0.080, 0.074, 0.068),
-}
+IRIS_RAD, PUPIL_RAD = 0.415, 0.15
+"""Polar angles, seen from the eye's centre, of the borders of iris and pupil."""
 
 
 @dataclass(frozen=True)
@@ -56,103 +49,6 @@ def facing(mesh: Mesh, outward: Array) -> Mesh:
     if (mesh.normals * outward).sum() < 0:
         return Mesh(mesh.points, mesh.uvs, mesh.triangles[:, ::-1])
     return mesh
-
-
-def eyeball(centre: Array, radius: float) -> tuple[Mesh, Array]:
-    """A ball with a slight cornea, looking along +z, and the polar angle of each vertex."""
-    theta = np.concatenate(
-        [
-            [0.0],
-            np.linspace(0.07, PUPIL_RAD, 2),
-            np.linspace(0.2, IRIS_RAD, 4),
-            np.linspace(0.5, EYE_SPAN_RAD, 11),
-        ]
-    )
-    phi = np.linspace(0, 2 * np.pi, 28, endpoint=False)
-    t, p = np.meshgrid(theta, phi, indexing="ij")
-    bulge = 1 + 0.035 * np.sqrt(np.clip(1 - (t / (IRIS_RAD * 1.1)) ** 2, 0, 1))
-    direction = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1)
-    reach = 0.5 * np.minimum(t / EYE_SPAN_RAD, 1)
-    uvs = 0.5 + np.stack([reach * np.cos(p), -reach * np.sin(p)], -1)
-    mesh = grid(centre + radius * bulge[..., None] * direction, uvs, closed=True)
-    return facing(mesh, direction.reshape(-1, 3)), t.ravel()
-
-
-@dataclass(frozen=True)
-class Arch:
-    """The line on which teeth stand, a half ellipse seen from above."""
-
-    front: float
-    half_width: float
-    depth: float
-
-    def at(self, along: Array) -> tuple[Array, Array]:
-        """Points (n, 3) at y = 0 and outward directions, by arc length from the middle, + to the left."""
-        angle = np.linspace(0, 1.45, 400)
-        x, z = self.half_width * np.sin(angle), self.front - self.depth * (1 - np.cos(angle))
-        length = np.r_[0, np.cumsum(np.hypot(np.diff(x), np.diff(z)))]
-        at = np.interp(np.abs(along), length, angle)
-        sign = np.where(along < 0, -1.0, 1.0)
-        zero = np.zeros_like(at)
-        points = np.stack(
-            [sign * self.half_width * np.sin(at), zero, self.front - self.depth * (1 - np.cos(at))], -1
-        )
-        out = np.stack([sign * self.depth * np.sin(at), zero, self.half_width * np.cos(at)], -1)
-        return points, out / np.linalg.norm(out, axis=-1, keepdims=True)
-
-
-def teeth(which: str, arch: Arch, edge: float) -> Mesh:
-    """One row of teeth with its gum; `edge` is the y of the biting edge. Texture: teeth left, gum right."""
-    up = 1.0 if which == "upper" else -1.0
-    meshes, start = [], 0.0
-    for width, height in zip(TOOTH_WIDTHS[which], TOOTH_HEIGHTS[which], strict=True):
-        centre = start + width / 2
-        start += width
-        for side in (1.0, -1.0):
-            meshes.append(_tooth(arch, side * centre, width, height, edge, up))
-    return joined([*meshes, _gum(arch, start, edge, up)])
-
-
-def _tooth(arch: Arch, along: float, width: float, height: float, edge: float, up: float) -> Mesh:
-    """A rounded box (superquadric), broader towards its biting edge."""
-    turn, rise = np.meshgrid(
-        np.linspace(0, 2 * np.pi, 10, endpoint=False),
-        np.array([-1.57, -1.25, -0.6, 0.6, 1.25, 1.57]),
-        indexing="ij",
-    )
-    power = lambda value, exponent: np.sign(value) * np.abs(value) ** exponent  # noqa: E731
-    ring = power(np.cos(rise), 0.35)
-    local_x = power(np.cos(turn), 0.55) * ring * width * 0.53
-    local_z = power(np.sin(turn), 0.7) * ring * 0.030
-    local_y = power(np.sin(rise), 0.75) * height / 2
-    local_x *= 1 - 0.10 * (up * local_y / height + 0.5)
-    point, out = arch.at(np.array(along))
-    across = np.cross([0.0, 1.0, 0.0], out)
-    lean = -0.25 * (up * local_y + height / 2) * 0.5
-    middle = edge + up * height / 2
-    points = point + local_x[..., None] * across + (local_z + lean)[..., None] * out
-    points[..., 1] = middle + local_y
-    shade = up * local_y / height + 0.5
-    depth = np.full_like(shade, 0.02 + 0.44 * min(abs(along) / 0.45, 1.0))
-    uvs = np.stack([depth, 1 - shade], -1).transpose(1, 0, 2)
-    mesh = grid(points.transpose(1, 0, 2), uvs, closed=True)
-    return facing(mesh, mesh.points - mesh.points.mean(0))
-
-
-def _gum(arch: Arch, reach: float, edge: float, up: float) -> Mesh:
-    """A tube round the roots, scalloped between the teeth by simply being higher there."""
-    along, turn = np.meshgrid(
-        np.linspace(-reach, reach, 33), np.linspace(0, 2 * np.pi, 8, endpoint=False), indexing="ij"
-    )
-    points, out = arch.at(along)
-    middle = edge + up * 0.125
-    points = points + out * (0.036 * np.cos(turn) - 0.018)[..., None]
-    points[..., 1] = middle + 0.055 * np.sin(turn)
-    uvs = np.stack([np.full_like(turn, 0.75), 0.5 + 0.5 * np.sin(turn) * up], -1)
-    mesh = grid(points, uvs, closed=True)
-    centre, _ = arch.at(along)
-    centre[..., 1] = middle
-    return facing(mesh, mesh.points - centre.reshape(-1, 3))
 
 
 def lashes(roots: Array, centre: Array, upper: bool) -> Mesh:

@@ -1,4 +1,4 @@
-"""The low-level FAPs other than the lips': jaw, lids, brows, cheeks, tongue, eyes, nose, ears."""
+"""The low-level FAPs of lids, brows, cheeks, eyes, nose and ears. Decimetres."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from scipy.optimize import brentq
 
 from head_parts.bust import Bust, Eye
 from head_parts.features import IRIS_RAD, PUPIL_RAD
-from head_parts.fields import Jaw, Lips, Motion, Skin, X, Y, Z, cardinal
+from head_parts.fields import Motion, Skin, Unit, X, Y, Z, cardinal
+from head_parts.jaw import Jaw
+from head_parts.lips import Lips
 from head_parts.surface import Array
-
-Unit = dict[str, float]
-"""Decimetres (or radians) per FAP unit, by the unit's name."""
+from head_parts.teeth import Bite
+from head_parts.tongue import Tongue
 
 
 @dataclass
@@ -23,6 +24,8 @@ class Model:
     bust: Bust
     lips: Lips
     jaw: Jaw
+    bite: Bite
+    tongue: Tongue
     points: dict[str, int]
     unit: Unit
 
@@ -31,35 +34,7 @@ class Model:
         return self.bust.skin
 
 
-JAW_KNOTS = (500, 1080)
-
-
-def jaw_motions(model: Model, rigid: dict[str, Array]) -> list[Motion]:
-    """FAPs 3, 14, 15 on the skin and on the parts in `rigid`, which go with the bone."""
-    skin, unit, chin = model.skin, model.unit, model.points["2.1"]
-
-    def opened(amount: float) -> Array:
-        return model.lips.still(model.jaw.skin(skin.points, amount), (1,))
-
-    amounts = [
-        brentq(lambda a, knot=knot: opened(a)[chin, 1] + knot * unit["MNS"], 0.0, 1.5) for knot in JAW_KNOTS
-    ]
-    motions = [Motion(3, "skin", JAW_KNOTS, tuple(opened(a) for a in amounts))]
-    for part, points in rigid.items():
-        motions.append(Motion(3, part, JAW_KNOTS, tuple(model.jaw.rigid(points, a) for a in amounts)))
-    weights = np.clip((model.jaw.weights - 0.02) / 0.98, 0, 1)[:, None]
-    for fap, direction, size in ((14, Z, 600 * unit["MNS"]), (15, -X, 300 * unit["MW"])):
-        knot = 600 if fap == 14 else 300
-        field = model.lips.still(weights * direction, (0, 1, 2))
-        axis = int(np.argmax(np.abs(direction)))
-        field *= size / abs(field[chin, axis])
-        motions.append(Motion(fap, "skin", (knot,), (field,)))
-        for part, points in rigid.items():
-            motions.append(Motion(fap, part, (knot,), (np.tile(direction * size, (len(points), 1)),)))
-    return motions
-
-
-LID_KNOTS = (-512, 400, 750, 1024)
+LID_KNOTS, LAP_RAD = (-512, 400, 750, 1024), 0.035
 
 
 class Lids:
@@ -82,8 +57,10 @@ class Lids:
         skin, eye = self.model.skin, self.eye
         upper, lower = skin.points[eye.upper], skin.points[eye.lower]
         up, low = self.elevation(upper), self.elevation(lower)
-        close = np.maximum(up - _along(upper[:, 0], lower[:, 0], low), 0)
-        open_ = np.maximum(_along(lower[:, 0], upper[:, 0], up) - low, 0)
+        # beside its middle, where the feature point is exact, a lid closes a little further than it need
+        lap = [LAP_RAD * np.minimum(np.abs(row[:, 0] - eye.centre[0]) / 0.015, 1) for row in (upper, lower)]
+        close = np.maximum(up - _along(upper[:, 0], lower[:, 0], low) + lap[0], 0)
+        open_ = np.maximum(_along(lower[:, 0], upper[:, 0], up) - low + lap[1], 0)
         offset = skin.points - eye.centre
         near = np.linalg.norm(offset * (0.72, 1.0, 1.0), axis=1)
         free = (near < 0.255) & (offset[:, 2] > -0.05)
@@ -183,25 +160,19 @@ def _surface(model: Model, fap: int, field: Array, axis: Array, amount: float, k
 
 
 def patch_motions(model: Model) -> list[Motion]:
-    """FAPs 18, 39-42, 61-64: a smooth patch about one feature point each."""
+    """FAPs 18, 61-64: a smooth patch about one feature point each."""
     skin, unit, p = model.skin, model.unit, model.points
     lips = np.concatenate([skin.outer.vertices, skin.inner.vertices])
-    lids = np.concatenate([np.r_[eye.upper, eye.lower] for eye in model.bust.eyes.values()])
     rows = [(18, "2.10", 0.20, Y, "MNS", "along"), (63, "9.3", 0.20, Y, "ENS", "plain"),
             (64, "9.3", 0.20, -X, "ENS", "plain")]  # fmt: skip
     for k, sign in ((0, 1.0), (1, -1.0)):
-        rows += [
-            (39 + k, f"5.{1 + k}", 0.42, X * sign, "ES", "out"),
-            (41 + k, f"5.{3 + k}", 0.36, Y, "ENS", "along"),
-            (61 + k, f"9.{1 + k}", 0.13, X * sign, "ENS", "out"),
-        ]
+        rows.append((61 + k, f"9.{1 + k}", 0.13, X * sign, "ENS", "out"))
     out = []
     for fap, name, radius, axis, measure, way in rows:
         vertex = p[name]
         free = skin.near(np.array([vertex]), radius)
-        still = lips if fap not in (41, 42) else np.concatenate([lips, lids])
         centre = np.flatnonzero(skin.near(np.array([vertex]), radius * 0.12))
-        handles = [(still, np.zeros((len(still), 1))), (np.union1d(centre, [vertex]), np.ones((1, 1)))]
+        handles = [(lips, np.zeros((len(lips), 1))), (np.union1d(centre, [vertex]), np.ones((1, 1)))]
         field = np.clip(skin.solve(free, handles)[:, 0], -0.05, 1.05)
         amount = 300 * unit[measure]
         if way == "along":
@@ -226,41 +197,16 @@ def ear_motions(model: Model, ears: Array) -> list[Motion]:
     return out
 
 
-def tongue_motions(points: Array, tip: int, middle: int, unit: Unit) -> list[Motion]:
-    """FAPs 43-47 on the tongue (n, 3), whose tip and mid-body vertices are given."""
-    root, front = points[:, 2].min(), points[tip, 2]
-    t = (points[:, 2] - root) / (front - root)
-    bend = np.clip((t - 0.35) / 0.65, 0, None) ** 1.6
-    bend /= bend[tip]
-    hump = np.exp(-(((t - t[middle]) / 0.28) ** 2)) * np.clip(t * 3, 0, 1)
-    hump /= hump[middle]
-    size = {"MW": 400 * unit["MW"], "MNS": 400 * unit["MNS"]}
-    out = [
-        Motion(fap, "tongue", (400,), (weight[:, None] * direction * size[name],))
-        for fap, weight, direction, name in (
-            (43, bend, -X, "MW"), (44, bend, Y, "MNS"), (45, bend, Z, "MW"), (46, hump, Y, "MNS"),
-        )
-    ]  # fmt: skip
-    half = np.abs(points[:, 0]).max()
-    side = np.abs(points[:, 0]) * np.clip(t * 2 - 0.6, 0, 1)
-    moves = []
-    for knot in (15000, 30000):
-        angle = knot * unit["AU"] * np.abs(points[:, 0]) / half
-        inward = -np.sign(points[:, 0]) * side * (1 - np.cos(angle))
-        moves.append(np.stack([inward, side * np.sin(angle), np.zeros(len(points))], 1))
-    return [*out, Motion(47, "tongue", (15000, 30000), tuple(moves))]
-
-
-def eye_motions(eye: Eye, side: str, points: Array, theta: Array, unit: Unit) -> list[Motion]:
-    """FAPs 27-30: the ball forward, and the pupil's growth within the iris."""
+def eye_motions(eye: Eye, side: str, part: str, points: Array, unit: Unit) -> list[Motion]:
+    """FAPs 27-30 on a part of the eye: the ball forward, and the pupil's growth within the iris."""
     first = 0 if side == "l" else 1
-    part = f"eye_{side}"
     out = [Motion(27 + first, part, (200,), (np.tile(Z * 200 * unit["ES"], (len(points), 1)),))]
-    radial = (points - eye.centre) * (1, 1, 0)
-    rim = np.linalg.norm(radial[np.isclose(theta, PUPIL_RAD)], axis=1).mean()
-    inside = np.minimum(theta / PUPIL_RAD, 1) * np.clip((IRIS_RAD - theta) / (IRIS_RAD - PUPIL_RAD), 0, 1)
-    length = np.maximum(np.linalg.norm(radial, axis=1, keepdims=True), 1e-9)
-    growth = 200 * unit["IRISD"] / 2
-    limit = min(growth, 0.6 * rim)
-    out.append(Motion(29 + first, part, (200,), (radial / length * inside[:, None] * limit,)))
+    if part.startswith("eye"):
+        offset = points - eye.centre
+        radial = offset * (1, 1, 0)
+        length = np.linalg.norm(radial, axis=1)
+        theta = np.arctan2(length, offset[:, 2])
+        inside = np.minimum(theta / PUPIL_RAD, 1) * np.clip((IRIS_RAD - theta) / (IRIS_RAD - PUPIL_RAD), 0, 1)
+        outward = radial / np.maximum(length, 1e-9)[:, None]
+        out.append(Motion(29 + first, part, (200,), (outward * inside[:, None] * 100 * unit["IRISD"],)))
     return out

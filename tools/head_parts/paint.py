@@ -12,6 +12,8 @@ from scipy import ndimage
 from scipy.interpolate import PchipInterpolator
 
 from fapstream.head.mesh import Image, Material
+from head_parts.features import IRIS_RAD, PUPIL_RAD
+from head_parts.people import EyeLook
 from head_parts.surface import Array
 
 if TYPE_CHECKING:
@@ -22,6 +24,13 @@ AXIS_Z = 0.35
 HEIGHTS = ((5.0, 0.0), (6.25, 0.17), (7.95, 0.90), (8.7, 1.0))
 """Where heights of the head fall in the texture: the face takes most of it."""
 SKIN_SIZE = 1024
+EYE_SPAN_RAD = 2.0
+"""Polar angle at the rim of the eye's picture."""
+FRINGE = 1 / 3
+"""Share of the picture of lashes and brows that the lashes have."""
+LASH = (24, 17, 14)
+ALPHA_STEPS = 12
+"""Coverage is one of so many values; the picture packs better so."""
 
 
 def linear(red: float, green: float, blue: float) -> tuple[float, float, float, float]:
@@ -29,11 +38,13 @@ def linear(red: float, green: float, blue: float) -> tuple[float, float, float, 
     return (*(float((c / 255) ** 2.2) for c in (red, green, blue)), 1.0)
 
 
-def encode(rgb: Array, kind: str = "JPEG", quality: int = 88) -> Image:
+def encode(rgb: Array, kind: str = "JPEG", quality: int = 88, subsampling: int = 1) -> Image:
     """(h, w, 3) 0..255 as an embedded picture."""
     out = io.BytesIO()
     Picture.fromarray(np.clip(np.rint(rgb), 0, 255).astype(np.uint8)).save(
-        out, kind, **({"quality": quality, "subsampling": 1} if kind == "JPEG" else {"optimize": True})
+        out,
+        kind,
+        **({"quality": quality, "subsampling": subsampling} if kind == "JPEG" else {"optimize": True}),
     )
     return Image(out.getvalue(), f"image/{kind.lower()}")
 
@@ -53,44 +64,87 @@ def depth_picture(front: tuple[int, int, int], back: tuple[int, int, int]) -> Im
     return encode(np.repeat(np.array(front) * (1 - t) + np.array(back) * t, 4, 1), "PNG")
 
 
-def eye_picture(size: int = 256) -> Image:
-    """Sclera, iris and pupil, seen along the gaze; the radius is the polar angle."""
-    from head_parts.features import EYE_SPAN_RAD, IRIS_RAD, PUPIL_RAD
-
+def eye_material(look: EyeLook, size: int = 384) -> Material:
+    """Sclera, iris and pupil, seen along the gaze; the radius is the root of the polar angle."""
     rng = np.random.default_rng(3)
     y, x = np.mgrid[-1 : 1 : size * 1j, -1 : 1 : size * 1j]
-    angle, turn = np.hypot(x, y) * EYE_SPAN_RAD, np.arctan2(y, x)
-    sclera = np.array([232, 226, 221.0]) - smooth(0.45, 1.3, angle)[..., None] * np.array([22, 48, 48])
-    fibres = ndimage.gaussian_filter1d(rng.normal(size=512), 1.6, mode="wrap")
-    fibre = (fibres / np.abs(fibres).max())[((turn + np.pi) / (2 * np.pi) * 511).astype(int)]
+    angle, turn = (x**2 + y**2) * EYE_SPAN_RAD, np.arctan2(y, x)
     t = (angle - PUPIL_RAD) / (IRIS_RAD - PUPIL_RAD)
-    glow = 0.62 + 0.75 * np.exp(-(((t - 0.28) / 0.33) ** 2)) + 0.28 * fibre
-    iris = np.array([96, 70, 46.0]) * glow[..., None] + np.array([6, 14, 16]) * np.clip(t, 0, 1)[..., None]
-    iris *= (1 - 0.72 * smooth(0.72, 1.0, t))[..., None]
-    colour = _mix(sclera, iris, smooth(IRIS_RAD + 0.02, IRIS_RAD - 0.03, angle))
-    return encode(
-        _mix(colour, np.array([9, 8, 8.0]), smooth(PUPIL_RAD + 0.012, PUPIL_RAD - 0.012, angle)), quality=92
+    colour = mix(_sclera(look, angle, turn, rng), _iris(look, t, turn, rng), smooth(1.05, 0.97, t))
+    colour = mix(colour, np.array([8, 7, 7.0]), smooth(0.05, -0.03, t))
+    colour *= 1 - 0.30 * smooth(0.10, 0.75, -y * np.hypot(x, y))[..., None]
+    return Material("eye", texture=encode(colour, quality=86), roughness=0.08)
+
+
+def _sclera(look: EyeLook, angle: Array, turn: Array, rng: np.random.Generator) -> Array:
+    """White that goes pinker to the corners, with a few fine vessels."""
+    colour = np.array(look.sclera) - smooth(0.45, 1.2, angle)[..., None] * np.array([26, 58, 58])
+    vessels = np.zeros(angle.shape)
+    for _ in range(26):
+        start, sway, thin = (
+            rng.choice([0, np.pi]) + rng.normal(0, 0.5),
+            rng.uniform(-1, 1, 3),
+            rng.uniform(0.5, 1),
+        )
+        path = start + 0.12 * (
+            sway[0] * np.sin(5 * angle) + sway[1] * np.sin(11 * angle + 1) + sway[2] * angle
+        )
+        gap = np.abs((turn - path + np.pi) % (2 * np.pi) - np.pi)
+        vessels += thin * np.exp(-((gap / 0.012) ** 2)) * smooth(0.55, 1.0, angle)
+    return colour - 0.5 * np.clip(vessels, 0, 1)[..., None] * np.array([14, 52, 50])
+
+
+def _iris(look: EyeLook, t: Array, turn: Array, rng: np.random.Generator) -> Array:
+    """Fibres from pupil (t = 0) to limbus (1), a collarette, a dark ring, light pooling at the bottom."""
+    at = [(turn + np.pi) / (2 * np.pi) * 1023, np.clip(t, 0, 1) * 31]
+    fibres = ndimage.gaussian_filter(rng.normal(size=(1024, 32)), (2.2, 5), mode=("wrap", "nearest"))
+    broad = ndimage.gaussian_filter(rng.normal(size=(1024, 32)), (9, 6), mode=("wrap", "nearest"))
+    fibre = ndimage.map_coordinates(fibres / fibres.std(), at, order=1)
+    fibre = 0.16 * fibre + 0.12 * ndimage.map_coordinates(broad / broad.std(), at, order=1)
+    collar = np.exp(-(((t - 0.32 - 0.04 * fibre) / 0.10) ** 2))
+    glow = 0.70 + 0.42 * collar + fibre * smooth(0.0, 0.15, t) + 0.34 * smooth(-0.2, 0.9, -np.sin(-turn)) * t
+    colour = (
+        np.array(look.iris) * glow[..., None] + np.array([16, 9, 0]) * (collar * (1 - 0.5 * t))[..., None]
     )
+    colour = colour * (1 - 0.62 * smooth(0.74, 1.0, t))[..., None]
+    return np.asarray(colour * (1 - 0.45 * smooth(0.14, 0.0, t))[..., None])
 
 
-def lash_picture() -> Image:
-    """Single hairs, transparent between; the root at the bottom."""
-    rng = np.random.default_rng(5)
-    width, height = 512, 64
-    canvas = Picture.new("L", (width * 2, height * 2), 0)
-    pen = ImageDraw.Draw(canvas)
-    for x in np.arange(10, width * 2 - 8, 17.0):
-        start, lean = x + rng.normal(0, 3), rng.normal(0, 9) + (x / width - 1) * 14
-        t = np.linspace(0, 1, 9)
-        line = np.stack([start + lean * t**2, height * 2 * (1 - t * rng.uniform(0.7, 0.98))], 1)
-        for k in range(8):
-            pen.line([*line[k], *line[k + 1]], fill=int(235 - 14 * k), width=max(1, round(6 * (1 - t[k]))))
-    pen.rectangle([0, height * 2 - 13, width * 2, height * 2], fill=210)
-    alpha = canvas.resize((width, height), Picture.Resampling.LANCZOS)
-    picture = Picture.merge("RGBA", [Picture.new("L", (width, height), c) for c in (30, 21, 17)] + [alpha])
+def fringe_material(brow_cover: Array, brow: tuple[float, float, float]) -> Material:
+    """Lashes in the upper part (root at its bottom), the brows' hairs `brow_cover` (h, w) below."""
+    height, width = brow_cover.shape
+    lash = _lash_cover(width, round(height * FRINGE / (1 - FRINGE)))
+    colour = np.concatenate([np.full((*lash.shape, 3), LASH), np.full((height, width, 3), brow)])
+    alpha = np.rint(np.concatenate([lash, brow_cover])[..., None] * ALPHA_STEPS) * (255 / ALPHA_STEPS)
     out = io.BytesIO()
-    picture.save(out, "PNG", optimize=True)
-    return Image(out.getvalue(), "image/png")
+    pixels = np.concatenate([colour, alpha], -1).astype(np.uint8)
+    Picture.fromarray(pixels, "RGBA").save(out, "PNG", optimize=True)
+    picture = Image(out.getvalue(), "image/png")
+    return Material("lashes", texture=picture, roughness=0.9, alpha="BLEND", double_sided=True)
+
+
+def _lash_cover(width: int, height: int) -> Array:
+    """Single hairs, gathered in twos and threes at their tips; denser to the root."""
+    rng = np.random.default_rng(5)
+    canvas = Picture.new("L", (width * 3, height * 3), 0)
+    pen = ImageDraw.Draw(canvas)
+    for x in np.arange(14, width * 3 - 12, 13.0):
+        start, lean = x + rng.normal(0, 4), rng.normal(0, 16) + (x / width / 1.5 - 1) * 22
+        t = np.linspace(0, 1, 10)
+        line = np.stack([start + lean * t**2, height * 3 * (1 - t * rng.uniform(0.55, 0.98))], 1)
+        for k in range(9):
+            pen.line([*line[k], *line[k + 1]], fill=int(250 - 12 * k), width=max(2, round(8 * (1 - t[k]))))
+    cover = np.asarray(canvas.resize((width, height), Picture.Resampling.BOX), float) / 255
+    root = smooth(0.80, 1.0, np.linspace(0, 1, height))[:, None]
+    return np.maximum(cover, 0.85 * root)
+
+
+def tear_material() -> Material:
+    """Left half the clear film, right half the wet flesh of the eye's corner."""
+    film, flesh = (255, 236, 230, 70), (206, 128, 120, 255)
+    out = io.BytesIO()
+    Picture.fromarray(np.array([[film] * 4 + [flesh] * 4] * 8, np.uint8), "RGBA").save(out, "PNG")
+    return Material("tears", texture=Image(out.getvalue(), "image/png"), roughness=0.06, alpha="BLEND")
 
 
 def smooth(low: float, high: float, value: Array) -> Array:
@@ -98,29 +152,24 @@ def smooth(low: float, high: float, value: Array) -> Array:
     return t * t * (3 - 2 * t)
 
 
-def _mix(one: Array, other: Array, share: Array) -> Array:
+def mix(one: Array, other: Array, share: Array) -> Array:
     return one * (1 - share[..., None]) + other * share[..., None]
 
 
-def hair_material() -> Material:
-    rng = np.random.default_rng(11)
-    size = 256
-    fine = ndimage.gaussian_filter(rng.normal(size=(size, size)), (34, 0.6), mode="wrap")
-    broad = ndimage.gaussian_filter(rng.normal(size=(size, size)), (40, 5), mode="wrap")
-    tone = 0.30 * fine / fine.std() + 0.20 * broad / broad.std()
-    colour = (
-        np.array([66, 46, 33.0]) * (1 + 0.55 * tone[..., None])
-        + np.array([10, 6, 2]) * np.clip(tone, 0, 2)[..., None]
+def shirt_material(colour: tuple[float, float, float], size: int = 64) -> Material:
+    """Jersey: rows of stitches that tile."""
+    y, x = np.mgrid[0:size, 0:size] / size * 2 * np.pi
+    stitch = np.cos(8 * x + 0.9 * np.sin(8 * y)) * 0.5 + 0.35 * np.cos(8 * y)
+    blotch = ndimage.gaussian_filter(np.random.default_rng(4).normal(size=(size, size)), 2, mode="wrap")
+    shade = 1 + 0.028 * stitch + 0.03 * blotch / blotch.std()
+    return Material(
+        "shirt", texture=encode(np.array(colour) * shade[..., None], "PNG"), roughness=0.95, double_sided=True
     )
-    return Material("hair", texture=encode(colour, quality=82), roughness=0.74, double_sided=True)
 
 
-EYE = Material("eye", texture=eye_picture(), roughness=0.12)
 TEETH = Material("teeth", texture=teeth_picture(), roughness=0.28)
-TONGUE = Material("tongue", texture=depth_picture((168, 86, 84), (44, 16, 16)), roughness=0.62)
-MOUTH = Material("mouth", texture=depth_picture((120, 52, 50), (12, 4, 4)), roughness=0.75, double_sided=True)
-LASHES = Material("lashes", texture=lash_picture(), roughness=0.9, alpha="BLEND", double_sided=True)
-SHIRT = Material("shirt", linear(74, 94, 118), roughness=0.95, double_sided=True)
+TONGUE = Material("tongue", texture=depth_picture((222, 134, 128), (96, 42, 40)), roughness=0.62)
+MOUTH = Material("mouth", texture=depth_picture((150, 70, 66), (16, 5, 5)), roughness=0.75, double_sided=True)
 
 
 def sample(mask: Array, uvs: Array) -> Array:
@@ -154,5 +203,5 @@ def wrap(bust: Bust) -> Array:
     height = y + 0.6 * under * np.minimum(reach - 1.0, 0.1)
     table = np.array(HEIGHTS)
     v = PchipInterpolator(table[:, 0], table[:, 1])(np.clip(height, 5.0, 8.7))
-    u = 0.5 + (theta + 0.8 * np.sin(theta)) / (2 * np.pi)
+    u = 0.5 + (theta + 0.88 * np.sin(theta)) / (2 * np.pi)
     return np.stack([u, 1 - v], 1)

@@ -10,6 +10,7 @@ import io
 import itertools
 import json
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -63,14 +64,22 @@ class Source:
         image = Image.open(io.BytesIO(self.read(f"{MPFB}textures/mpfb_{name}.jpg"))).convert("L")
         return np.asarray(image, np.float64) / 255
 
-    def adult(self, female: float) -> NDArray[np.float64]:
-        """The average young adult: all ancestries in equal parts, `female` of 1 the woman."""
+    def adult(self, female: float, old: float, ancestry: Mapping[str, float]) -> NDArray[np.float64]:
+        """The average adult of a mixture: `female` and `old` 0..1, `ancestry` shares in any unit."""
         shape = self.base.copy()
-        genders = (("female", female), ("male", 1 - female))
-        for (gender, share), ancestry in itertools.product(genders, ("african", "asian", "caucasian")):
-            shape += share / 3 * self.target(f"macrodetails/{ancestry}-{gender}-young")
-        for gender, share in genders:
-            shape += share * self.target(f"macrodetails/universal-{gender}-young-averagemuscle-averageweight")
+        genders, ages = (("female", female), ("male", 1 - female)), (("young", 1 - old), ("old", old))
+        for (gender, g), (age, a) in itertools.product(genders, ages):
+            if g * a == 0:
+                continue
+            for name, share in ancestry.items():
+                shape += (
+                    g
+                    * a
+                    * share
+                    / sum(ancestry.values())
+                    * self.target(f"macrodetails/{name}-{gender}-{age}")
+                )
+            shape += g * a * self.target(f"macrodetails/universal-{gender}-{age}-averagemuscle-averageweight")
         return shape
 
     def bone_weights(self, bones: tuple[str, ...]) -> NDArray[np.float64]:
