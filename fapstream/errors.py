@@ -33,22 +33,29 @@ class TextTooLong(InputError):
         self.limit = limit
 
 
-class UnknownVoice(InputError):
+class UnknownName(InputError):
+    """There is no such thing; the message says what there is."""
+
+    kind = "thing"
+
+    def __init__(self, name: str, known: tuple[str, ...]) -> None:
+        super().__init__(f"no {self.kind} called {name[:40]!r}; there are: {', '.join(known)}")
+        self.name = name
+        self.known = known
+
+
+class UnknownVoice(UnknownName):
+    """`known`: the voices that there are."""
+
     code = "unknown_voice"
-
-    def __init__(self, name: str, known: tuple[str, ...]) -> None:
-        super().__init__(f"no voice called {name[:40]!r}; there are: {', '.join(known)}")
-        self.name = name
-        self.known = known
+    kind = "voice"
 
 
-class UnknownLanguage(InputError):
+class UnknownLanguage(UnknownName):
+    """`known`: the languages that there are."""
+
     code = "unknown_language"
-
-    def __init__(self, name: str, known: tuple[str, ...]) -> None:
-        super().__init__(f"no language called {name[:40]!r}; there are: {', '.join(known)}")
-        self.name = name
-        self.known = known
+    kind = "language"
 
 
 class DataError(FapstreamError):

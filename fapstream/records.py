@@ -38,7 +38,8 @@ class Phone:
 
     `pitch` holds (position in percent of the duration, f0 in Hz), empty for the voice's default.
     `word` indexes `Utterance.words`, or is -1 in a pause. `stress`: 0 none, 1 primary, 2 secondary.
-    A silent phone (`_`) may carry a facial expression for its whole length.
+    A silent phone (`_`) may carry a facial expression, which begins with the pause and lasts, weaker, under
+    the phrase that follows.
     """
 
     name: str
@@ -94,8 +95,9 @@ class Speech:
 class FapFrame:
     """The facial animation parameters that hold at one sample.
 
-    `values` is int32 of shape (68,): FAP n is at n-1, in FAP units (see FAPU in fap/).
-    Only the low-level FAPs 3-68 travel between the rooms; 1 and 2 are composite (below) and 0 here.
+    `values` is int32 of shape (68,): FAP n is at n-1, in units of 1/1024 FAPU of the face that shows it, or
+    of 1e-5 rad. Only the low-level FAPs 3-68 travel between the rooms; 1 and 2 are composite (below) and 0
+    here.
     """
 
     sample: int

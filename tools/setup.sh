@@ -34,6 +34,11 @@ apt_install() { # apt_install "what for" package...
       { apt-get update -qq && apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }' apt "$@"
 }
 
+gl_packages=(libegl1 libgl1 libgles2 libgl1-mesa-dri libegl-mesa0)
+have_gl() { ls /usr/share/glvnd/egl_vendor.d/*.json >/dev/null 2>&1; }
+portaudio_packages=(portaudio19-dev gcc libc6-dev python3-dev)
+have_portaudio() { [ -e /usr/include/portaudio.h ]; }
+
 python_ok() { "$1" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
 
 find_python() {

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -14,7 +12,7 @@ import numpy as np
 from fapstream.errors import FapstreamError
 from fapstream.records import Pcm
 
-FRAMES_PER_BUFFER_MS = 10
+BUFFER_MS = 20
 
 
 class AudioUnavailable(FapstreamError):
@@ -30,7 +28,7 @@ Render = Callable[[int, float], Pcm]
 class Output:
     """A sound device that fetches mono int16 sound with `render`, in a thread of its own."""
 
-    def __init__(self, sample_rate: int, render: Render, buffer_ms: int = FRAMES_PER_BUFFER_MS) -> None:
+    def __init__(self, sample_rate: int, render: Render, buffer_ms: int = BUFFER_MS) -> None:
         """`buffer_ms`: how much is fetched at once; some of these lie waiting. Raises AudioUnavailable."""
         self._render = render
         self.late = 0
@@ -55,63 +53,7 @@ class Output:
         return self._render(n, at).astype(np.int16, copy=False).tobytes(), 0
 
 
-class Player:
-    """Plays mono int16 sound as it is given, silence where there is none.
-
-    What was given to the device is heard when its latency, by its own figure, has gone by; silence
-    played after the last sample counts towards that.
-    """
-
-    def __init__(self, sample_rate: int) -> None:
-        self.sample_rate = sample_rate
-        self._chunks: deque[Pcm] = deque()
-        self._lock = threading.Lock()
-        self._played = 0
-        self._latency = 0
-        self._silence = 0
-        self.given = 0
-        self.heard = 0
-        """Samples heard."""
-        try:
-            self._audio, self._stream = _open(sample_rate, self._callback)
-        except AudioUnavailable as e:
-            raise AudioUnavailable(f"{e}; or write a file with --wav") from e
-        self._latency = round(self._stream.get_output_latency() * sample_rate)
-
-    def write(self, pcm: Pcm) -> None:
-        """More sound; never blocks."""
-        with self._lock:
-            self._chunks.append(pcm)
-            self.given += len(pcm)
-
-    @property
-    def idle(self) -> bool:
-        """Everything given has been heard."""
-        return self.heard >= self.given
-
-    def close(self) -> None:
-        """Stop at once."""
-        self._stream.close()
-        self._audio.terminate()
-
-    def _callback(self, _in: object, n: int, _time: object, _status: int) -> tuple[bytes, int]:
-        out = np.zeros(n, np.int16)
-        filled = 0
-        with self._lock:
-            while filled < n and self._chunks:
-                chunk = self._chunks.popleft()
-                part = chunk[: n - filled]
-                out[filled : filled + len(part)] = part
-                filled += len(part)
-                if len(part) < len(chunk):
-                    self._chunks.appendleft(chunk[len(part) :])
-            self._played += filled
-            self._silence = n - filled if filled else self._silence + n
-            self.heard = max(self.heard, self._played - max(0, self._latency - self._silence))
-        return out.tobytes(), 0
-
-
-def _open(sample_rate: int, callback: Any, buffer_ms: int = FRAMES_PER_BUFFER_MS) -> tuple[Any, Any]:
+def _open(sample_rate: int, callback: Any, buffer_ms: int) -> tuple[Any, Any]:
     try:
         import pyaudio
     except ImportError:

@@ -12,14 +12,13 @@ import json
 import sys
 from collections import deque
 from collections.abc import AsyncIterator, Sequence
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from fapstream.adapters.alignment import align, refine
 from fapstream.adapters.espeak_worker import FRAME
-from fapstream.adapters.spares import Spares
+from fapstream.adapters.spares import Spares, end_program
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
 from fapstream.tts import Voice, espeak_map, phone_set
@@ -30,7 +29,6 @@ MEAN_PHONE_MS = 80.0
 RATE_LIMITS = (80, 450)
 PITCH = 50
 MAX_FRAME = 1 << 24
-READ_BYTES = 1 << 16
 CLOSING_MS = 80
 
 
@@ -86,14 +84,8 @@ class EspeakProcess:
             raise SynthesisError("eSpeak NG ended in the middle of a phrase") from e
 
     async def aclose(self) -> None:
-        """End the worker. What it still had to say is read: asyncio waits for the end of its pipes."""
-        assert self._process.stdout is not None
-        if self.alive:
-            with suppress(ProcessLookupError):
-                self._process.kill()
-        while await self._process.stdout.read(READ_BYTES):
-            pass
-        await self._process.wait()
+        """End the worker."""
+        await end_program(self._process)
 
 
 class EspeakSynthesizer:

@@ -18,7 +18,7 @@ from shutil import which
 
 import numpy as np
 
-from fapstream.adapters.spares import Spares
+from fapstream.adapters.spares import READ_BYTES, Spares, end_program
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
 from fapstream.tts import Realiser, Voice, VoicePhone, pho
@@ -29,7 +29,6 @@ DATABASES = (Path("/usr/share/mbrola"), Path("/usr/local/share/mbrola"))
 LIBSTDBUF = (Path("/usr/libexec/coreutils/libstdbuf.so"), Path("/usr/lib/coreutils/libstdbuf.so"))
 """Preloaded, it makes the C library write sound at once instead of 4096 bytes later."""
 
-READ_BYTES = 1 << 16
 MAX_RESTARTS = 3
 CLOSING_MS = 80
 """Silence that closes a phrase which has to be flushed in its middle."""
@@ -125,14 +124,8 @@ class MbrolaProcess:
         return pcm
 
     async def aclose(self) -> None:
-        """End the program. What it still had to say is read: asyncio waits for the end of its pipes."""
-        assert self._process.stdout is not None
-        if self.alive:
-            with suppress(ProcessLookupError):
-                self._process.kill()
-        while await self._process.stdout.read(READ_BYTES):
-            pass
-        await self._process.wait()
+        """End the program."""
+        await end_program(self._process)
         self._stderr.cancel()
 
     async def _drain_stderr(self) -> None:

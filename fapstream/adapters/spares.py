@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from typing import Generic, Protocol, TypeVar
 
 from fapstream.errors import VoiceUnavailable
@@ -22,6 +23,20 @@ class Program(Protocol):
 
 
 P = TypeVar("P", bound=Program)
+
+
+READ_BYTES = 1 << 16
+
+
+async def end_program(process: asyncio.subprocess.Process) -> None:
+    """End a program. What it still had to say is read: asyncio waits for the end of its pipes."""
+    assert process.stdout is not None
+    if process.returncode is None:
+        with suppress(ProcessLookupError):
+            process.kill()
+    while await process.stdout.read(READ_BYTES):
+        pass
+    await process.wait()
 
 
 class Spares(Generic[P]):

@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 
-SLOWEST, FASTEST = 0.25, 4.0
+
+def between(low: float, high: float) -> Callable[[str], float]:
+    """A type for numbers within the limits; what is none raises ArgumentTypeError."""
+
+    def number(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text!r} is not from {low:g} to {high:g}")
+        return value
+
+    return number
 
 
-def rate(text: str) -> float:
-    """A speaking rate; 1 is normal. Raises ArgumentTypeError."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not SLOWEST <= value <= FASTEST:
-        raise argparse.ArgumentTypeError(f"{text!r} is not from {SLOWEST} to {FASTEST:g}")
-    return value
+def port(text: str) -> int:
+    """A port to listen on, 0 for any that is free. Raises ArgumentTypeError."""
+    if not (text.isdecimal() and int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 0 to 65535")
+    return int(text)
+
+
+rate = between(0.25, 4.0)
+"""A speaking rate; 1 is normal."""
 
 
 def unicode_text(text: str) -> str:

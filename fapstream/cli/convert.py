@@ -1,7 +1,9 @@
 """Convert face animation between .fap text and .fba streams, and feature points of heads and files.
 
 Animation: .fap to .fap or .fba, and back; `-` is .fap or .fba from standard input, .fap to standard output.
-Feature points: a head's (.glb) to .fdp or .xfdp; .fdp to .fdp and .xfdp to .xfdp, checked and made tidy.
+
+Feature points: a head's (its name, .glb or .vrm) to .fdp or .xfdp; .fdp to .fdp and .xfdp to .xfdp, checked
+and made tidy.
 """
 
 from __future__ import annotations
@@ -14,24 +16,26 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.adapters.files import MAX_BYTES, read_file
+from fapstream.cli.arguments import between
+from fapstream.cli.heads import is_file, opened
 from fapstream.errors import InputError
 from fapstream.fap import FapSequence, FbaOptions, encode_fba, faps, format_fap, read_animation
 from fapstream.fap.fdp import BoundPoint, Influence, Xfdp, format_fdp, format_xfdp, read_fdp, read_xfdp
 from fapstream.fap.files import DEFAULT_FPS, MAX_FPS, VERSIONS
-from fapstream.head.gltf import read_head
 from fapstream.head.mesh import Head, Part
 from fapstream.records import N_FAPS
+from fapstream.server import packaged_heads
 
 HELP = "convert .fap, .fba and feature point files"
 
 ANIMATION = (".fap", ".fba")
 POINTS = (".glb", ".fdp", ".xfdp")
-MAX_BYTES = 1 << 28
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """IN, OUT, --fap-quant, --intra-every, --low-level-only, --version, --fps, --mask."""
-    parser.add_argument("source", metavar="IN", help="in.fap, in.fba, -, or head.glb, in.fdp, in.xfdp")
+    parser.add_argument("source", metavar="IN", help="in.fap, in.fba, -, or a head, in.fdp, in.xfdp")
     parser.add_argument("target", metavar="OUT", help="out.fap, out.fba, -, or out.fdp, out.xfdp")
     parser.add_argument(
         "--fap-quant", type=int, default=3, metavar="N", help=".fba: coarseness, 1 to 31 (default 3)"
@@ -49,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--fps",
-        type=_fps,
+        type=between(0.01, MAX_FPS),
         default=DEFAULT_FPS,
         help="frames a second of a .fap without a header (default 25)",
     )
@@ -63,6 +67,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write OUT and print what it is; oddities of IN go to stderr."""
+    if is_file(args.source) or args.source in packaged_heads():
+        print(_extract_points(opened(args.source), args.source, args.target))
+        return 0
     source, target = _kind(args.source), _kind(args.target)
     data = _read(args.source)
     if source == ".fdp" and data.lstrip()[:1] == b"<":
@@ -104,19 +111,34 @@ def _described(target: str, sequence: FapSequence, size: int) -> str:
     return f"{target}: {length}, {size} bytes{rate}"
 
 
+def _extract_points(head: Head, source: str, target: str) -> str:
+    """Write a head's feature points; returns what was written."""
+    kind = _kind(target)
+    if kind == ".fdp":
+        _write(target, format_fdp(head.fdp).encode())
+        return f"{target}: {len(head.fdp)} feature points"
+    if kind == ".xfdp":
+        return _write_xfdp(
+            target, bound_points(head, Path(source).name if is_file(source) else f"{source}.glb")
+        )
+    raise InputError(f"{source} is a head, which has feature points for .fdp and .xfdp, not for {kind}")
+
+
 def _convert_points(data: bytes, where: str, source: str, to: str, target: str) -> str:
-    if target == ".xfdp" and source != ".fdp":
-        head = read_head(data, where) if source == ".glb" else None
-        xfdp = bound_points(head, Path(where).name) if head else read_xfdp(_text(data, where), where)
-        _write(to, format_xfdp(xfdp).encode())
-        return f"{to}: {len(xfdp.points)} feature points, {sum(len(p.indices) for p in xfdp.points)} vertices"
-    if target == ".fdp" and source != ".xfdp":
-        points = read_head(data, where).fdp if source == ".glb" else read_fdp(_text(data, where), where)
-        _write(to, format_fdp(points).encode())
-        return f"{to}: {len(points)} feature points"
-    raise InputError(
-        f"feature points cannot go from {source} to {target}; from .glb to .fdp or .xfdp they can"
-    )
+    if source != target:
+        raise InputError(
+            f"feature points cannot go from {source} to {target}; a head's can go to .fdp and .xfdp"
+        )
+    if target == ".xfdp":
+        return _write_xfdp(to, read_xfdp(_text(data, where), where))
+    points = read_fdp(_text(data, where), where)
+    _write(to, format_fdp(points).encode())
+    return f"{to}: {len(points)} feature points"
+
+
+def _write_xfdp(to: str, xfdp: Xfdp) -> str:
+    _write(to, format_xfdp(xfdp).encode())
+    return f"{to}: {len(xfdp.points)} feature points, {sum(len(p.indices) for p in xfdp.points)} vertices"
 
 
 def bound_points(head: Head, file: str) -> Xfdp:
@@ -157,15 +179,12 @@ def _kind(name: str) -> str:
 
 
 def _read(name: str) -> bytes:
-    data = sys.stdin.buffer.read(MAX_BYTES + 1) if name == "-" else _read_file(Path(name))
+    if name != "-":
+        return read_file(Path(name))
+    data = sys.stdin.buffer.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
-        raise InputError(f"{name} has more than {MAX_BYTES} bytes")
+        raise InputError(f"standard input: more than {MAX_BYTES >> 20} MB")
     return data
-
-
-def _read_file(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(MAX_BYTES + 1)
 
 
 def _write(name: str, data: bytes) -> None:
@@ -188,16 +207,6 @@ def _tell(name: str, notes: Iterable[object]) -> None:
         print(f"{name}: {note}", file=sys.stderr)
 
 
-def _fps(text: str) -> float:
-    try:
-        fps = float(text)
-    except ValueError:
-        fps = 0.0
-    if not 0 < fps <= MAX_FPS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not above 0 and at most {MAX_FPS}")
-    return fps
-
-
 def _faps(text: str) -> NDArray[np.bool_]:
     """`3-18,51` as bool of shape (68,)."""
     kept = np.zeros(N_FAPS, np.bool_)
@@ -207,6 +216,6 @@ def _faps(text: str) -> NDArray[np.bool_]:
             raise argparse.ArgumentTypeError(f"{piece!r} is neither a FAP nor two with a - between")
         low, high = int(first), int(last or first)
         if not 1 <= low <= high <= N_FAPS:
-            raise argparse.ArgumentTypeError(f"{piece!r} is not within 1 to {N_FAPS}")
+            raise argparse.ArgumentTypeError(f"{piece!r} does not go up from 1 to {N_FAPS} at most")
         kept[low - 1 : high] = True
     return kept

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
-from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
+from fapstream.adapters.files import read_file
+from fapstream.cli.heads import opened
 from fapstream.errors import DataError, InputError
 from fapstream.fap import read_animation
 from fapstream.head.export import export_shapes, export_talk
-from fapstream.head.foreign import is_ours, load_head
 from fapstream.head.gltf_write import write_head
 from fapstream.head.mesh import Head
 from fapstream.records import N_FAPS
-from fapstream.server import packaged_heads
 
 HELP = "show, import or export a head file"
-SUFFIXES = (".glb", ".vrm")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,50 +51,11 @@ def run(args: argparse.Namespace) -> int:
     head = opened(args.head)
     if args.verb == "show":
         print("\n".join(described(head)))
-    elif args.verb == "import":
-        args.out.write_bytes(write_head(head))
-    else:
-        args.out.write_bytes(_exported(head, args))
+        return 0
+    what, data = ("a head of ours", write_head(head)) if args.verb == "import" else _exported(head, args)
+    args.out.write_bytes(data)
+    print(f"{args.out}: {head.name}, {what}, {len(data)} bytes")
     return 0
-
-
-def opened(wish: str) -> Head:
-    """The head in a file or in the package; what it lacks is said on stderr.
-
-    Raises OSError, DataError for a file that is no head, InputError for a name that there is not.
-    """
-    packaged = packaged_heads()
-    if Path(wish).suffix.lower() not in SUFFIXES:
-        if wish not in packaged:
-            raise InputError(
-                f"no head called {wish!r}; there are {', '.join(packaged)}, or a file F.glb or F.vrm"
-            )
-        return load_head(packaged[wish].read_bytes(), wish)[0]
-    head, warnings = load_head(Path(wish).read_bytes(), wish, Path(wish).stem)
-    for warning in warnings:
-        print(f"fapstream: {warning}", file=sys.stderr)
-    return head
-
-
-def servable(path: Path) -> Path:
-    """The file itself if it is a head of ours; else one with what it was converted to, gone when we end.
-
-    Raises OSError, DataError.
-    """
-    data = path.read_bytes()
-    head, warnings = load_head(data, str(path), path.stem)
-    for warning in warnings:
-        print(f"fapstream: {warning}", file=sys.stderr)
-    if is_ours(data, str(path)):
-        return path
-    converted = Path(_converted().name) / f"{path.stem}.glb"
-    converted.write_bytes(write_head(head))
-    return converted
-
-
-@cache
-def _converted() -> TemporaryDirectory[str]:
-    return TemporaryDirectory(prefix="fapstream-")
 
 
 def described(head: Head) -> list[str]:
@@ -124,13 +82,17 @@ def described(head: Head) -> list[str]:
     return lines + ([f"without effect: {' '.join(still)}"] if still else [])
 
 
-def _exported(head: Head, args: argparse.Namespace) -> bytes:
+def _exported(head: Head, args: argparse.Namespace) -> tuple[str, bytes]:
+    """What it is, and the file."""
     if args.fap is None:
-        return export_shapes(head, args.keep)
+        return "shapes of ARKit and Oculus", export_shapes(head, args.keep)
     if args.keep:
         raise InputError("--keep does not go with --fap: an animation needs no tables")
-    sequence = read_animation(args.fap.read_bytes(), str(args.fap))
+    sequence = read_animation(read_file(args.fap), str(args.fap))
+    for note in sequence.notes:
+        print(f"fapstream: {args.fap}: {note}", file=sys.stderr)
     frames = sequence.low_level()
     if not len(frames):
         raise DataError(str(args.fap), None, "has no frames")
-    return export_talk(head, frames, sequence.fps, args.arkit)
+    what = f"{len(frames)} frames, {len(frames) / sequence.fps:.2f} s"
+    return what, export_talk(head, frames, sequence.fps, args.arkit)

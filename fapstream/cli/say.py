@@ -12,7 +12,7 @@ from contextlib import ExitStack, aclosing
 from pathlib import Path
 from typing import Any
 
-from fapstream.adapters.audio import Player
+from fapstream.adapters.audio import AudioUnavailable, Output
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.record import PhoRecorder
 from fapstream.adapters.stdin import READ_BYTES, chunks
@@ -23,9 +23,12 @@ from fapstream.pipeline import Pipeline
 from fapstream.records import FapFrame, Mark, Packet, TurnFormat
 from fapstream.talk import Talk
 from fapstream.tts import LANGUAGES, FrontEnd
+from fapstream.viewer.sound import Sound
 
 HELP = "say a text into files or aloud"
 PLAY_LEAD_S = 0.3
+TURN = 1
+"""The only one."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,47 +59,66 @@ async def _say(args: argparse.Namespace) -> None:
         chosen = pool.find(args.voice, args.lang)
         if args.lang and args.lang != chosen.lang:
             raise InputError(f"the voice {chosen.name} speaks {chosen.lang}, not {args.lang}")
-        turn = TurnFormat(1, chosen.name, chosen.lang, chosen.sample_rate, args.fps)
+        turn = TurnFormat(TURN, chosen.name, chosen.lang, chosen.sample_rate, args.fps)
         with ExitStack() as stack:
-            player = None
-            if args.play or not files:
-                player = Player(turn.sample_rate)
-                stack.callback(player.close)
+            sound = _sound(turn, stack) if args.play or not files else None
             sink = Sink(args, turn, stack)
             recorder = PhoRecorder(await pool.acquire(chosen), chosen)
             pipeline = Pipeline(turn, FrontEnd(turn.lang, args.rate, chosen.f0_hz), args.seed)
-            talk = Talk(pipeline, recorder, _heard(player, turn))
-            await _run(talk, args.text, sink, player)
+            talk = Talk(pipeline, recorder, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
+            await _run(talk, args.text, sink, sound)
             sink.finish(recorder.lines)
     finally:
         await pool.aclose()
 
 
-def _heard(player: Player | None, turn: TurnFormat) -> Any:
-    return (lambda: player.heard / turn.sample_rate) if player else None
+def _sound(turn: TurnFormat, stack: ExitStack) -> Sound:
+    """The sound card, waiting for the turn. Raises AudioUnavailable."""
+    try:
+        sound = Sound(turn.sample_rate, Output)
+    except AudioUnavailable as e:
+        raise AudioUnavailable(f"{e}; or write a file with --wav") from e
+    stack.callback(sound.close)
+    sound.begin(TURN)
+    return sound
 
 
-async def _run(talk: Talk, text: str, sink: Sink, player: Player | None) -> None:
+def _heard(sound: Sound) -> float:
+    """The sample that is heard now."""
+    heard = sound.heard()
+    return heard.sample if heard else 0.0
+
+
+async def _run(talk: Talk, text: str, sink: Sink, sound: Sound | None) -> None:
     feeder = asyncio.create_task(_feed(talk, text))
     try:
         async with aclosing(talk.packets()) as packets:
             async for packet in packets:
                 sink.take(packet)
-                if player:
-                    await _play(player, packet)
+                if sound:
+                    await _play(sound, packet)
         await feeder
-        while player and not player.idle:
-            await asyncio.sleep(0.02)
+        if sound:
+            await _play_out(sound)
     finally:
         feeder.cancel()
         await asyncio.gather(feeder, return_exceptions=True)
         await talk.aclose()
 
 
-async def _play(player: Player, packet: Packet) -> None:
-    player.write(packet.pcm)
-    while player.given - player.heard > PLAY_LEAD_S * player.sample_rate:
+async def _play(sound: Sound, packet: Packet) -> None:
+    """Hand it over, and wait until little of it is left to be heard."""
+    sound.push(TURN, packet.pcm, packet.hold)
+    end = packet.start + len(packet.pcm)
+    while end - _heard(sound) > PLAY_LEAD_S * sound.sample_rate:
         await asyncio.sleep(0.01)
+
+
+async def _play_out(sound: Sound) -> None:
+    """Until the last sample has been heard."""
+    sound.end(TURN)
+    while (heard := sound.heard()) is None or heard.state != "over":
+        await asyncio.sleep(0.02)
 
 
 async def _feed(talk: Talk, text: str) -> None:

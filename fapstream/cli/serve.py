@@ -8,13 +8,13 @@ import logging
 import signal
 import sys
 from importlib.resources.abc import Traversable
-from pathlib import Path
 
 from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.pool import VoicePool
-from fapstream.cli.head import SUFFIXES, servable
+from fapstream.cli.arguments import port
+from fapstream.cli.heads import servable
 from fapstream.errors import InputError, SynthesisError
-from fapstream.server import Service, Site, packaged_heads, running
+from fapstream.server import Service, Site, running
 from fapstream.tts import LANGUAGES
 
 HELP = "serve the page and the talking head"
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen on (default: this machine only)"
     )
-    parser.add_argument("--port", type=int, default=PORT, help=f"port (default {PORT}; 0 takes a free one)")
+    parser.add_argument("--port", type=port, default=PORT, help=f"port (default {PORT}; 0 takes a free one)")
     parser.add_argument("--voice", help="voice for turns that ask for none")
     parser.add_argument(
         "--lang", choices=LANGUAGES, default=LANGUAGES[0], help="language for turns that name none"
@@ -43,26 +43,8 @@ def run(args: argparse.Namespace) -> int:
     logging.basicConfig(
         level=logging.INFO if args.verbose else logging.WARNING, format="%(asctime)s %(name)s %(message)s"
     )
-    asyncio.run(_serve(args, chosen_heads(args.head)))
+    asyncio.run(_serve(args, dict(servable(wish) for wish in args.head)))
     return 0
-
-
-def chosen_heads(wishes: list[str]) -> dict[str, Traversable]:
-    """Head files by name: paths to GLB files, or names of heads in the package.
-
-    Raises OSError, DataError for a file that is no head, InputError for a name that there is not.
-    """
-    packaged = packaged_heads()
-    found: dict[str, Traversable] = {}
-    for wish in wishes:
-        path = Path(wish)
-        if path.suffix.lower() in SUFFIXES:
-            found[path.stem] = servable(path)
-        elif wish in packaged:
-            found[wish] = packaged[wish]
-        else:
-            raise InputError(f"no head called {wish!r}; there are {', '.join(packaged)}, or a file F.glb")
-    return found
 
 
 async def _serve(args: argparse.Namespace, heads: dict[str, Traversable]) -> None:
@@ -78,10 +60,12 @@ async def _serve(args: argparse.Namespace, heads: dict[str, Traversable]) -> Non
     try:
         await _warm(pool, args.voice)
         async with running(service, site, args.host, args.port) as server:
-            host, port = server.sockets[0].getsockname()[:2]
-            print(f"fapstream speaks at http://{_shown(host)}:{port}/", flush=True)
+            host, number = server.sockets[0].getsockname()[:2]
+            print(f"fapstream speaks at http://{_shown(host)}:{number}/", flush=True)
             await stop.wait()
             print("closing", file=sys.stderr)
+    except OSError as e:
+        raise InputError(f"cannot listen at {args.host}, port {args.port}: {e.strerror or e}") from e
     finally:
         await pool.aclose()
 

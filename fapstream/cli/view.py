@@ -10,15 +10,16 @@ import sys
 from contextlib import ExitStack
 from pathlib import Path
 
-from fapstream.cli.arguments import rate, unicode_text
-from fapstream.cli.head import opened
+from fapstream.cli.arguments import between, rate, unicode_text
+from fapstream.cli.heads import opened
+from fapstream.cli.progress import Progress
 from fapstream.errors import InputError
 from fapstream.head.mesh import Head
 from fapstream.tts import LANGUAGES
 from fapstream.viewer.canvas import Studio
-from fapstream.viewer.clip import read_clip
+from fapstream.viewer.clip import Clip, read_clip
 from fapstream.viewer.face import FaceMixer
-from fapstream.viewer.film import film
+from fapstream.viewer.film import PICTURE, film
 from fapstream.viewer.live import Wish, collect, perform
 from fapstream.viewer.renderer import Renderer
 from fapstream.viewer.show import Show, run_show
@@ -39,7 +40,6 @@ In the window: drag to look from the side, wheel to come closer, R to go back, E
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """[URL], --say, --fap, --wav, --head, --size, --headless, --frames, --fps and so on."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = EXAMPLES
     parser.add_argument("url", nargs="?", metavar="ws://HOST:PORT/ws", help=f"the server (default {URL})")
     parser.add_argument(
@@ -71,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--frames", type=Path, metavar="DIR", help="where pictures and audio.wav go")
     parser.add_argument(
-        "--fps", type=frame_rate, default=25.0, help="pictures a second to write (default 25)"
+        "--fps", type=between(1, 240), default=25.0, help="pictures a second to write (default 25)"
     )
 
 
@@ -82,17 +82,6 @@ def size(text: str) -> tuple[int, int]:
     if not (16 <= width <= MOST_PIXELS and 16 <= height <= MOST_PIXELS):
         raise argparse.ArgumentTypeError(f"{text!r} is no size such as 512x512, 16 to {MOST_PIXELS} a side")
     return width, height
-
-
-def frame_rate(text: str) -> float:
-    """Pictures a second. Raises ArgumentTypeError."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 1 <= value <= 240:
-        raise argparse.ArgumentTypeError(f"{text!r} is not from 1 to 240")
-    return value
 
 
 def run(args: argparse.Namespace) -> int:
@@ -116,16 +105,27 @@ def _check(args: argparse.Namespace) -> None:
         raise InputError("--headless and --frames DIR go together")
     if args.headless and not args.fap and args.say is None:
         raise InputError("what is to be seen? --fap F, or --say TEXT")
+    if args.headless and (args.trace or args.fullscreen):
+        raise InputError("--trace and --fullscreen are for a window; --headless has none")
 
 
 def _write(args: argparse.Namespace, head: Head) -> None:
-    clip = read_clip(args.fap, args.wav) if args.fap else asyncio.run(collect(_wish(args)))
+    clip = _clip(args) if args.fap else asyncio.run(collect(_wish(args)))
     studio = Studio(head, args.size or (512, 512))
     try:
-        count = film(clip, studio, args.frames, args.fps)
+        count = film(clip, studio, args.frames, args.fps, Progress("pictures"))
     finally:
         studio.close()
     print(f"{count} pictures and audio.wav in {args.frames}")
+    if (args.frames / PICTURE.format(count)).exists():
+        _warn(f"{args.frames} still has pictures of a longer talk, from {PICTURE.format(count)} on")
+
+
+def _clip(args: argparse.Namespace) -> Clip:
+    clip = read_clip(args.fap, args.wav)
+    for note in clip.notes:
+        _warn(f"{args.fap}: {note}")
+    return clip
 
 
 async def _show(args: argparse.Namespace, head: Head) -> None:
@@ -144,7 +144,7 @@ async def _show(args: argparse.Namespace, head: Head) -> None:
 
 async def _script(args: argparse.Namespace, show: Show) -> None:
     if args.fap:
-        clip = read_clip(args.fap, args.wav)
+        clip = _clip(args)
         show.begin(1, clip.sample_rate)
         show.push(clip.packet(1))
         show.end(1)

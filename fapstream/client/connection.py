@@ -45,7 +45,6 @@ class Turn:
         self.done: g.Done | None = None
         self._talker = talker
         self._events: asyncio.Queue[TurnEvent | BaseException] = asyncio.Queue()
-        self._sample = 0
 
     async def append(self, text: str | bytes) -> None:
         """More text; bytes are UTF-8 and may be cut anywhere."""

@@ -9,10 +9,22 @@ from fapstream.fap.fba_encode import FbaOptions, encode_fba
 from fapstream.fap.files import format_fap, read_fap
 from fapstream.fap.rows import FapRow, Note
 from fapstream.fap.sequence import FapSequence
-from fapstream.fap.tables import EXPRESSIONS, N_VISEMES, Fap, expressions, faps, limits, visemes
+from fapstream.fap.tables import (
+    ANGLE_UNIT_RAD,
+    EXPRESSIONS,
+    FULL,
+    N_VISEMES,
+    Fap,
+    expressions,
+    faps,
+    limits,
+    visemes,
+)
 
 __all__ = [
+    "ANGLE_UNIT_RAD",
     "EXPRESSIONS",
+    "FULL",
     "N_VISEMES",
     "Expander",
     "Fap",

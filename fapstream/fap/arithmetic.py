@@ -90,6 +90,14 @@ def _uniform_tree(size: int) -> list[int]:
     return _tree([1] * size)
 
 
+def _narrowed(low: int, high: int, model: Model, symbol: int) -> tuple[int, int]:
+    """The part of an interval that means the symbol, which the model then learns."""
+    below, above = model.span(symbol)
+    length, total = high - low + 1, model.total
+    model.learn(symbol)
+    return low + length * below // total, low + length * above // total - 1
+
+
 class Encoder:
     """One run into `writer`; `finish` ends it."""
 
@@ -101,11 +109,7 @@ class Encoder:
 
     def encode(self, model: Model, symbol: int) -> None:
         """One symbol, which the model then learns. Raises ValueError if it has no such symbol."""
-        below, above = model.span(symbol)
-        length = self._high - self._low + 1
-        self._high = self._low + length * above // model.total - 1
-        self._low = self._low + length * below // model.total
-        model.learn(symbol)
+        self._low, self._high = _narrowed(self._low, self._high, model, symbol)
         while True:
             if self._high < Q2:
                 self._decided(0)
@@ -157,10 +161,7 @@ class Decoder:
         """The next symbol, which the model then learns."""
         length = self._high - self._low + 1
         symbol = model.find(((self._code - self._low + 1) * model.total - 1) // length)
-        below, above = model.span(symbol)
-        self._high = self._low + length * above // model.total - 1
-        self._low = self._low + length * below // model.total
-        model.learn(symbol)
+        self._low, self._high = _narrowed(self._low, self._high, model, symbol)
         while True:
             if self._high < Q2:
                 shift = 0

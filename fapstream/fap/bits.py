@@ -90,7 +90,7 @@ class BitReader:
     def start_code(self) -> int | None:
         """The start code that comes next, after stuffing if there is any; None if there is none.
 
-        Does not move; the position after it is `after_start_code`.
+        Does not move; `skip_start_code` does.
         """
         for at in self._boundaries():
             word = self._data[at : at + 4]

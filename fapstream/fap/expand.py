@@ -20,14 +20,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fapstream.fap.rows import FapRow, Mask
-from fapstream.fap.tables import EXPRESSIONS, expressions, faps, visemes
+from fapstream.fap.rows import MAX_VALUE, FapRow, Mask
+from fapstream.fap.tables import EXPRESSIONS, FULL, expressions, faps, visemes
 from fapstream.records import N_FAPS, ExpressionFap, VisemeFap
-
-FULL = 63
-"""viseme_blend and intensities are 6 bits."""
-
-MOST = 2**31 - 1
 
 _GROUP = np.array([f.group for f in faps()])
 _MOUTH = np.isin(_GROUP, (2, 6, 8))
@@ -75,7 +70,7 @@ class Expander:
             self._rest = np.where(_FREE_AT_REST, self._expression_shape(), 0)
             self._expression = ExpressionFap()
         face = self._rest + self._low + self._viseme_shape() + self._expression_shape()
-        return np.rint(np.clip(face, -MOST, MOST)).astype(np.int32)
+        return np.rint(np.clip(face, -MAX_VALUE, MAX_VALUE)).astype(np.int32)
 
     @staticmethod
     def _define(shapes: NDArray[np.float64], select: int, sent: Mask, row: FapRow) -> None:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from fapstream.fap.arithmetic import Model
 from fapstream.fap.rows import Mask
-from fapstream.fap.tables import coding_ranges, faps
+from fapstream.fap.tables import EXPRESSIONS, FULL, N_VISEMES, coding_ranges, faps
 from fapstream.records import N_FAPS
 
 OBJECT_CODE = 0x000001BA
@@ -42,8 +42,8 @@ RANGE_UNIT = 60
 MAX_RANGE = 31 * RANGE_UNIT
 NTSC = 1000 / 1001
 
-VISEME_RANGES = ((0, 14), (0, 14), (0, 63))
-EXPRESSION_RANGES = ((0, 6), (0, 63), (0, 6), (0, 63))
+VISEME_RANGES = ((0, N_VISEMES - 1), (0, N_VISEMES - 1), (0, FULL))
+EXPRESSION_RANGES = ((0, len(EXPRESSIONS)), (0, FULL)) * 2
 
 GROUPS: tuple[NDArray[np.intp], ...] = tuple(
     np.flatnonzero([f.group == group for f in faps()]) for group in range(1, 11)

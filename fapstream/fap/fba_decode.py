@@ -25,11 +25,9 @@ from fapstream.fap.fba import (
     Coding,
 )
 from fapstream.fap.files import DEFAULT_FPS
-from fapstream.fap.rows import MAX_FRAMES, FapRow, Notes
+from fapstream.fap.rows import MAX_FRAMES, MAX_VALUE, FapRow, Notes
 from fapstream.fap.sequence import FapSequence
 from fapstream.records import N_FAPS, ExpressionFap, VisemeFap
-
-MAX_VALUE = 2**31 - 1
 
 
 def decode_fba(data: bytes, where: str, name: str = "untitled") -> FapSequence:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from html import escape
 from math import isfinite
 from xml.parsers import expat
-from xml.sax.saxutils import quoteattr
 
 from fapstream.errors import DataError
 from fapstream.records import N_FAPS
@@ -101,16 +101,16 @@ def format_xfdp(xfdp: Xfdp) -> str:
     fapu = " ".join(f'{name}="{value:.9g}"' for name, value in known)
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<xfdp>", f"  <fapu {fapu}/>", "  <source>"]
     for file, kind in xfdp.meshes:
-        lines.append(f"    <entity><mesh file={quoteattr(file)} format={quoteattr(kind)}/></entity>")
+        lines.append(f"    <entity><mesh file={_quoted(file)} format={_quoted(kind)}/></entity>")
     lines.append("  </source>")
     for point in xfdp.points:
         lines.append(
-            f"  <fdp name={quoteattr(point.name)} index={quoteattr(str(point.index))}"
-            f" affects={quoteattr(point.mesh)}>"
+            f"  <fdp name={_quoted(point.name)} index={_quoted(str(point.index))}"
+            f" affects={_quoted(point.mesh)}>"
         )
         lines.append(f"    <indices>{' '.join(map(str, point.indices))}</indices>")
         lines += [
-            f'    <influence fap="{i.fap - 1}" weight="{i.weight:.9g}" type={quoteattr(i.type)}/>'
+            f'    <influence fap="{i.fap - 1}" weight="{i.weight:.9g}" type={_quoted(i.type)}/>'
             for i in point.influences
         ]
         lines.append("  </fdp>")
@@ -207,6 +207,11 @@ class _XfdpReader:
         if not (word.isascii() and word.isdigit() and len(word) < 10):
             raise self._fail(f"{word[:40]!r} is no {what}")
         return int(word)
+
+
+def _quoted(text: str) -> str:
+    """As an attribute's value; white space too comes back as it was."""
+    return f'"{escape(text).translate({9: "&#9;", 10: "&#10;", 13: "&#13;"})}"'
 
 
 def _check_name(name: str, known: Mapping[str, object], where: str, line: int) -> None:

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.errors import DataError
-from fapstream.fap.rows import MAX_FRAMES, FapRow, Mask, Notes
+from fapstream.fap.rows import MAX_FRAMES, MAX_VALUE, FapRow, Mask, Notes
 from fapstream.fap.sequence import FapSequence
-from fapstream.fap.tables import EXPRESSIONS, N_VISEMES, coding_ranges, faps
+from fapstream.fap.tables import EXPRESSIONS, FULL, N_VISEMES, coding_ranges, faps
 from fapstream.records import N_FAPS, ExpressionFap, VisemeFap
 
 VERSIONS = ("2.0", "2.1")
@@ -168,7 +168,7 @@ class _Reader:
         rounded = np.trunc(exact + np.copysign(0.5, exact))
         if (rounded != exact).any():
             self._notes.add(self._line, "values that are no whole numbers; rounded")
-        if (np.abs(rounded) > 2**31 - 1).any():
+        if (np.abs(rounded) > MAX_VALUE).any():
             raise self._fail("a value does not fit in 32 bits")
         whole = rounded.astype(np.int32)
         at = 0
@@ -201,8 +201,8 @@ class _Reader:
                 raise self._fail(f"{name}_select is {select}; it must be 0 to {most}")
 
     def _check_bits(self, name: str, levels: tuple[int, ...], flags: tuple[int, ...]) -> None:
-        if not all(0 <= level <= 63 for level in levels):
-            self._notes.add(self._line, f"a blend or intensity of the {name} outside 0 to 63; kept")
+        if not all(0 <= level <= FULL for level in levels):
+            self._notes.add(self._line, f"a blend or intensity of the {name} outside 0 to {FULL}; kept")
         if not all(flag in (0, 1) for flag in flags):
             self._notes.add(self._line, f"a flag of the {name} that is neither 0 nor 1; taken for 1")
 

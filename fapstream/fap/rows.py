@@ -14,6 +14,9 @@ Mask = NDArray[np.bool_]
 MAX_FRAMES = 360_000
 """Of one file or stream: four hours at 25 frames a second. What claims more is refused."""
 
+MAX_VALUE = 2**31 - 1
+"""The largest magnitude of a FAP."""
+
 
 @dataclass(frozen=True, slots=True)
 class FapRow:

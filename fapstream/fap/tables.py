@@ -6,16 +6,22 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.data import read_lines, read_text
 from fapstream.errors import DataError
 from fapstream.records import N_FAPS, ExpressionName
 
 N_VISEMES = 15
 """Viseme 0 is none, 1-14 as in ISO/IEC 14496-2."""
+
+FULL = 63
+"""viseme_blend and the intensities of expressions are 6 bits."""
+
+ANGLE_UNIT_RAD = 1e-5
+"""One AU, the FAPU of angles."""
 
 EXPRESSIONS: tuple[ExpressionName, ...] = ("joy", "sadness", "anger", "fear", "disgust", "surprise")
 """In the order of FAP 2: joy is 1."""
@@ -38,7 +44,7 @@ class Fap:
 @cache
 def faps() -> tuple[Fap, ...]:
     """The 68 FAPs, FAP n at n-1."""
-    rows = json.loads(_read("faps.json"))
+    rows = json.loads(read_text("fap", "faps.json"))
     return tuple(Fap(**{**row, "fdp": tuple(row["fdp"])}) for row in rows)
 
 
@@ -72,15 +78,14 @@ def coding_ranges() -> NDArray[np.int32]:
     In quantised units: times the FAP's `quant` they are FAP units. 0 for FAPs 1 and 2.
     """
     table = np.zeros((N_FAPS, 2), np.int32)
-    for number, line in enumerate(_read("coding.tsv").splitlines(), 1):
-        if line.strip() and not line.startswith("#"):
-            try:
-                fap, i_reach, p_reach = map(int, line.split("\t"))
-            except ValueError:
-                fap = 0
-            if not 3 <= fap <= N_FAPS:
-                raise DataError("coding.tsv", number, f"{line!r} is not a low-level FAP, I and P range")
-            table[fap - 1] = i_reach, p_reach
+    for number, line in read_lines("fap", "coding.tsv"):
+        try:
+            fap, i_reach, p_reach = map(int, line.split("\t"))
+        except ValueError:
+            fap = 0
+        if not 3 <= fap <= N_FAPS:
+            raise DataError("coding.tsv", number, f"{line!r} is not a low-level FAP, I and P range")
+        table[fap - 1] = i_reach, p_reach
     return table
 
 
@@ -93,9 +98,7 @@ def limits() -> NDArray[np.float64]:
     name = "limits.tsv"
     table = np.full((N_FAPS, 2), np.nan)
     table[:2] = 0.0
-    for number, line in enumerate(_read(name).splitlines(), 1):
-        if not line.strip() or line.startswith(("#", "fap\t")):
-            continue
+    for number, line in read_lines("fap", name):
         try:
             fap, low, high, _ = line.split("\t")
             index, pair = int(fap), (float(low), float(high))
@@ -110,15 +113,9 @@ def limits() -> NDArray[np.float64]:
     return table
 
 
-def _read(name: str) -> str:
-    return resources.files("fapstream.fap").joinpath("data", name).read_text(encoding="utf-8")
-
-
 def _rows(name: str) -> Iterator[tuple[int, str, NDArray[np.float64]]]:
     """Lines `name<TAB>fap=value fap=value ...` as (line number, name, values of shape (68,))."""
-    for number, line in enumerate(_read(name).splitlines(), 1):
-        if not line.strip() or line.startswith("#"):
-            continue
+    for number, line in read_lines("fap", name):
         key, _, pairs = line.partition("\t")
         values = np.zeros(N_FAPS)
         for pair in pairs.split():

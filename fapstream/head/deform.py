@@ -7,17 +7,19 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from fapstream.head.fapu import ANGLE_UNIT_RAD
+from fapstream.fap.tables import ANGLE_UNIT_RAD
 from fapstream.head.mesh import FatEntry, Head, Turn
 
-Values = NDArray[np.int16] | NDArray[np.float64]
+Values = NDArray[np.int32] | NDArray[np.float64]
+"""One frame: shape (68,), FAP n at n-1, FAP units."""
+
 Positions = dict[str, NDArray[np.float64]]
 
 
 def deform(head: Head, values: Values) -> Positions:
     """Positions of every part under one frame of FAPs.
 
-    `values`: (68,), FAP n at n-1. Returns float64 (n, 3) by part, metres, the caller's own.
+    Returns float64 (n, 3) by part, metres, the caller's own.
     """
     positions: Positions = {part.name: part.positions.astype(np.float64) for part in head.parts}
     for entry in head.fat:

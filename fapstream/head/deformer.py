@@ -1,16 +1,18 @@
-"""FAP values to vertices and normals for drawing: what `deform` does, in float32, in place and prepared."""
+"""FAP values to vertices and normals for drawing: what `deform` does, in float32, for all parts at once."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fapstream.head.deform import Values, drive_value, knot_shares, rotation
-from fapstream.head.mesh import FatEntry, Floats, Head, Part, Turn
+from fapstream.head.deform import Values, rotation
+from fapstream.head.mesh import Floats, Head, Part, Turn
 from fapstream.head.normals import NormalField
+from fapstream.head.ramps import Ramps
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,64 +25,49 @@ class Shape:
 
 
 class Deformer:
-    """Keeps the shapes of a head; `apply` moves them, `moved` names the parts that the last call changed."""
+    """Keeps the shapes of a head; `apply` moves them, `moved` names the parts that the last call changed.
+
+    The vertices of all parts are numbered through; vectors are (3, n), a row for each of x, y, z, until they
+    are handed out: numpy is quick on few long rows.
+    """
 
     def __init__(self, head: Head) -> None:
-        self._head = head
-        self._fields = {part.name: NormalField(part, _movable(head, part.name)) for part in head.parts}
+        ends = list(accumulate(len(part.positions) for part in head.parts))
+        self._spans = {
+            part.name: slice(end - len(part.positions), end)
+            for part, end in zip(head.parts, ends, strict=True)
+        }
+        self._ramps = Ramps(head.fat, {name: span.start for name, span in self._spans.items()})
+        self._field = NormalField(head.parts, self._ramps.vertices)
+        self._rest = np.ascontiguousarray(np.concatenate([part.positions for part in head.parts]).T)
+        self._turns = [(turn, _areas(turn, self._spans)) for turn in head.turns]
         self.shapes = tuple(
-            Shape(part, part.positions.copy(), self._fields[part.name].rest.copy()) for part in head.parts
+            Shape(part, part.positions.copy(), self._field.rest[:, self._spans[part.name]].T.copy())
+            for part in head.parts
         )
-        self._by_name = {shape.part.name: shape for shape in self.shapes}
-        self._deltas = [entry.deltas * np.float32(entry.scale) for entry in head.fat]
         self._away: set[str] = set()
         self.moved: frozenset[str] = frozenset()
 
-    def apply(self, values: Values | NDArray[np.float64]) -> None:
+    def apply(self, values: Values) -> None:
         """Put every part where the FAPs (68,), FAP n at n-1, want it."""
-        away = self._away
-        for name in away:
-            self._by_name[name].positions[:] = self._by_name[name].part.positions
-        bent = self._bend(values)
-        for name in away | bent:
-            shape, field = self._by_name[name], self._fields[name]
-            if name in bent:
-                field.write(shape.positions, shape.normals)
-            else:
-                shape.normals[:] = field.rest
-        turned: set[str] = set()
-        for turn in self._head.turns:
+        amounts = self._ramps.amounts(values)
+        away = self._ramps.moved(amounts)
+        positions = self._rest.copy()
+        if away:
+            self._ramps.add(amounts, positions)
+        normals = self._field.at(positions) if away else self._field.rest.copy()
+        for turn, areas in self._turns:
             if any(values[fap - 1] for fap in turn.faps):
-                turned |= self._turn(turn, values)
-        self._away = bent | turned
-        self.moved = frozenset(away | self._away)
-
-    def _bend(self, values: Values | NDArray[np.float64]) -> set[str]:
-        """Add what the tables want; the names of the parts that they moved."""
-        bent = set()
-        for entry, deltas in zip(self._head.fat, self._deltas, strict=True):
-            value = drive_value(entry, values)
-            if value:
-                self._by_name[entry.part].positions[entry.indices] += _displacement(entry, deltas, value)
-                bent.add(entry.part)
-        return bent
-
-    def _turn(self, turn: Turn, values: Values | NDArray[np.float64]) -> set[str]:
-        change = (rotation(turn, values) - np.eye(3)).T.astype(np.float32)
-        pivot = np.asarray(turn.pivot, np.float32)
-        names: Sequence[str] = list(self._by_name) if turn.parts is None else turn.parts
-        for name in names:
-            shape = self._by_name[name]
-            moves, turns = (shape.positions - pivot) @ change, shape.normals @ change
-            if name in turn.weights:
-                weights = turn.weights[name][:, None]
-                moves, turns = moves * weights, turns * weights
-            np.add(shape.positions, moves, out=shape.positions)
-            np.add(shape.normals, turns, out=shape.normals)
-        return set(names)
+                _rotate(turn, values, areas, (positions, normals))
+                away |= set(self._spans if turn.parts is None else turn.parts)
+        self.moved, self._away = frozenset(away | self._away), away
+        for shape in self.shapes:
+            if shape.part.name in self.moved:
+                shape.positions[:] = positions[:, self._spans[shape.part.name]].T
+                shape.normals[:] = normals[:, self._spans[shape.part.name]].T
 
 
-def head_turn(head: Head, values: Values | NDArray[np.float64]) -> NDArray[np.float64]:
+def head_turn(head: Head, values: Values) -> NDArray[np.float64]:
     """4x4: from where the file has the skull to where FAPs 48-50 put it; only turns of every part count."""
     matrix = np.eye(4)
     for turn in head.turns:
@@ -92,13 +79,24 @@ def head_turn(head: Head, values: Values | NDArray[np.float64]) -> NDArray[np.fl
     return matrix
 
 
-def _movable(head: Head, part: str) -> list[NDArray[np.uint32]]:
-    return [entry.indices for entry in head.fat if entry.part == part]
+def _areas(turn: Turn, spans: Mapping[str, slice]) -> list[tuple[slice, Floats]]:
+    """What a turn takes along: stretches of the vertices, and how much of it each vertex follows."""
+    weights = {
+        name: turn.weights.get(name, np.ones(span.stop - span.start, np.float32))
+        for name, span in spans.items()
+    }
+    if turn.parts is None:
+        return [(slice(None), np.concatenate(list(weights.values())))]
+    return [(spans[name], weights[name]) for name in turn.parts]
 
 
-def _displacement(entry: FatEntry, deltas: Floats, value: float) -> Floats:
-    """`deltas` float32 (k, n, 3) in metres at the entry's knots, at one value of its drive: (n, 3)."""
-    shares = knot_shares(entry.knots, value)
-    parts = [deltas[knot] * np.float32(share) for knot, share in shares.items()]
-    total: Floats = parts[0] if len(parts) == 1 else parts[0] + parts[1]
-    return total
+def _rotate(
+    turn: Turn, values: Values, areas: list[tuple[slice, Floats]], vectors: tuple[Floats, Floats]
+) -> None:
+    """Turn (positions, normals) in place."""
+    change = (rotation(turn, values) - np.eye(3)).astype(np.float32)
+    pivot = np.asarray(turn.pivot, np.float32)[:, None]
+    positions, normals = vectors
+    for area, weights in areas:
+        positions[:, area] += change @ (positions[:, area] - pivot) * weights
+        normals[:, area] += change @ normals[:, area] * weights

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import struct
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
@@ -18,12 +17,14 @@ from fapstream.head.picture import picture_size
 MAX_FILE = 64 << 20
 MAX_JSON = 8 << 20
 MAX_VERTICES = 1 << 20
-MAX_NUMBERS = 1 << 26
+MAX_NUMBERS = 1 << 25
 """Of all accessors together, as often as they are used."""
+MAX_SIZE = 1e8
+"""Of a float: far beyond any scene, and its square is still one."""
 MAX_PICTURE = 4096
 """Pixels along a side."""
 MAX_PIXELS = 1 << 26
-"""Of all pictures together, as often as they are used."""
+"""Of the pictures of all materials together."""
 COMPONENTS: Mapping[int, str] = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS: Mapping[str, int] = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 UNSIGNED = frozenset({"<u1", "<u2", "<u4"})
@@ -56,12 +57,16 @@ def _document(text: bytes, where: str) -> dict[str, Any]:
     if len(text) > MAX_JSON:
         raise DataError(where, None, f"JSON chunk: {len(text)} bytes; at most {MAX_JSON} are read")
     try:
-        document = json.loads(text)
+        document = json.loads(text.decode("utf-8"), parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
         raise DataError(where, None, f"JSON chunk: {error}"[:400]) from None
     if not isinstance(document, dict):
         raise DataError(where, None, "the JSON chunk is not an object")
     return document
+
+
+def _no_constant(word: str) -> NoReturn:
+    raise ValueError(f"{word} is not JSON")
 
 
 class Document:
@@ -103,8 +108,8 @@ class Document:
             self.fail(place, "accessor has no buffer view")
         if "sparse" in row:
             values = self.scattered(values, self.mapping(row, "sparse", place + "."), place + ".sparse")
-        if dtype == "<f4" and not np.isfinite(values).all():
-            self.fail(place, "has values that are not finite")
+        if dtype == "<f4" and not (np.abs(values) <= MAX_SIZE).all():
+            self.fail(place, f"has values that are not finite or beyond {MAX_SIZE:g}")
         return values
 
     def scattered(self, values: NDArray[Any], sparse: dict[str, Any], place: str) -> NDArray[Any]:
@@ -156,7 +161,10 @@ class Document:
         if "bufferView" not in image:
             self.fail(place, "its image is not embedded in the binary chunk")
         data = bytes(self.view(image["bufferView"], place))
-        width, height = picture_size(data) or (1, 1)
+        size = picture_size(data)
+        if size is None:
+            self.fail(place, "its image is no PNG, JPEG or WebP")
+        width, height = size
         if width > MAX_PICTURE or height > MAX_PICTURE:
             self.fail(place, f"its image has {width} x {height} pixels; {MAX_PICTURE} a side are the limit")
         self.pixels_left -= width * height
@@ -187,7 +195,7 @@ class Document:
     def sequence(self, row: dict[str, Any], key: str, limit: int, place: str = "") -> Sequence[Any]:
         value = row.get(key)
         if not isinstance(value, list) or len(value) > limit:
-            self.fail(f"{place}.{key}", f"is not a list of at most {limit}")
+            self.fail(f"{place}.{key}".lstrip("."), f"is not a list of at most {limit}")
         return value
 
     def vector(self, value: Any, size: int, place: str) -> tuple[float, ...]:
@@ -206,7 +214,7 @@ class Document:
         return number
 
     def number(self, value: Any, place: str) -> float:
-        if type(value) not in (int, float) or not math.isfinite(value) or abs(value) > 1e6:
+        if type(value) not in (int, float) or not -1e6 <= value <= 1e6:
             self.fail(place, f"{value!r:.40} is not a number")
         return float(value)
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.fap.tables import faps
-from fapstream.head.deform import deform, drive_value, knot_shares
+from fapstream.head.deform import deform
 from fapstream.head.gltf_write import HeadWriter
 from fapstream.head.mesh import FatEntry, Floats, Head
 from fapstream.head.shapes import arkit, oculus, strengths
@@ -38,7 +38,10 @@ class Track:
 
 
 def export_shapes(head: Head, keep: bool = False) -> bytes:
-    """A GLB with the ARKit and Oculus shapes of `head`; with our own tables as well if `keep`."""
+    """A GLB with the ARKit and Oculus shapes of `head`; with our own tables as well if `keep`.
+
+    Raises DataError for a head whose turns overlap too much for a skeleton.
+    """
     return _written(head, arkit_targets(head), None, keep)
 
 
@@ -46,8 +49,10 @@ def export_talk(head: Head, frames: NDArray[np.int32], fps: float, shapes: bool 
     """A GLB that says what `frames` (f, 68) have, `fps` a second.
 
     With the face animation tables as targets, so that every frame is exact; or, if `shapes`, with ARKit
-    ones, as near as they come.
+    ones, as near as they come. The last frame is there twice, so that it lasts as long as the others.
+    Raises as `export_shapes`.
     """
+    frames = np.concatenate([frames, frames[-1:]])
     values = frames.astype(np.float64)
     if shapes:
         track = Track(fps, values, strengths(frames, list(arkit())))
@@ -68,15 +73,28 @@ def fap_targets(
     moves: dict[str, dict[str, Floats]] = {}
     weights: dict[str, NDArray[np.float64]] = {}
     for entry in head.fat:
-        values = [drive_value(entry, row) for row in frames]
-        shares = [knot_shares(entry.knots, value) for value in values]
-        for knot in sorted({knot for row in shares for knot in row}):
+        values = sum(coefficient * frames[:, fap - 1] for fap, coefficient in entry.drive)
+        for knot, shares in _knot_shares(entry.knots, np.asarray(values)).items():
             name = _knot_name(entry, knot)
             move = np.zeros((len(head.part(entry.part).positions), 3), np.float32)
             move[entry.indices] = entry.deltas[knot] * np.float32(entry.scale)
             moves.setdefault(name, {})[entry.part] = move
-            weights[name] = np.array([row.get(knot, 0.0) for row in shares])
+            weights[name] = shares
     return [Target(name, rows) for name, rows in moves.items()], weights
+
+
+def _knot_shares(knots: tuple[float, ...], values: NDArray[np.float64]) -> dict[int, NDArray[np.float64]]:
+    """`deform.knot_shares` for many values (f,) of a drive: by knot, its weights (f,) where it has any."""
+    points = np.array(sorted((*knots, 0.0)))
+    segment = np.clip(np.searchsorted(points, values, side="right") - 1, 0, len(points) - 2)
+    share = (values - points[segment]) / (points[segment + 1] - points[segment])
+    found = {}
+    for knot, value in enumerate(knots):
+        at = int(np.searchsorted(points, value))
+        weights = np.where(segment == at, 1 - share, np.where(segment == at - 1, share, 0.0))
+        if weights.any():
+            found[knot] = weights
+    return found
 
 
 def _target(head: Head, name: str, values: NDArray[np.float64]) -> Target:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fapstream.errors import DataError
+from fapstream.fap.tables import ANGLE_UNIT_RAD
 
 Point = tuple[float, float, float]
 
@@ -17,8 +18,6 @@ _DISTANCES: tuple[tuple[str, str, str, int], ...] = (
     ("MW0", "8.3", "8.4", 0),
 )
 """Name, the two feature points, and the coordinate along which they are measured."""
-
-ANGLE_UNIT_RAD = 1e-5
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from fapstream.head.document import split_glb
 from fapstream.head.gltf import MAX_PARTS, read_head
 from fapstream.head.landmarks import JAW, LIPS, Landmarks, find
 from fapstream.head.mesh import Camera, FatEntry, Head, Mouth, Part, Turn
-from fapstream.head.nodes import Array, below
+from fapstream.head.nodes import Array, subtree
 from fapstream.head.rig import EYES, bones, kind_of
 from fapstream.head.scene import Scene, Surface, Wanted, kept
 from fapstream.head.shapes import Plan, known, plan
@@ -86,14 +86,14 @@ def read_foreign(data: bytes, where: str = "head", name: str = "head") -> Import
     named = _named([bust for surface in surfaces if len((bust := _bust(surface)).triangles)])
     if not 0 < len(named) <= MAX_PARTS:
         scene.fail("meshes", f"there are {len(named)} parts near the head; 1 to {MAX_PARTS} can be shown")
-    subtree = {bone: below(scene.nodes, {i}) for bone, i in rig.items()}
-    turns = [turn for side in "lr" if (turn := _eye_turn(side, named, marks, subtree))]
+    subtrees = {bone: subtree(scene.nodes, i) for bone, i in rig.items()}
+    turns = [turn for side in "lr" if (turn := _eye_turn(side, named, marks, subtrees))]
     looks = [shape for shape in names if shape.startswith(("eyeLook", "look"))] if turns else []
     shapes = plan(names - set(looks), without=("eyeLook",) if turns else ())
     head = Head(
         name, tuple(_part(part, surface) for part, surface in named.items()), marks.fapu(), marks.fdp(),
         Mouth(_point(marks.mouth), marks.mouth_size), _camera(marks), _fat(named, shapes),
-        (*turns, _head_turn(named, marks, subtree)),
+        (*turns, _head_turn(named, marks, subtrees)),
     )  # fmt: skip
     notes = (
         []
@@ -166,7 +166,7 @@ def _named(surfaces: Sequence[Surface]) -> dict[str, Surface]:
     if not surfaces:
         return {}
     face = max(
-        surfaces, key=lambda surface: sum(float(np.abs(move).sum()) for move in surface.moves.values())
+        surfaces, key=lambda surface: sum(int(move.any(axis=1).sum()) for move in surface.moves.values())
     )
     found: dict[str, Surface] = {"skin": face}
     for surface in surfaces:
@@ -208,13 +208,13 @@ def _fat(named: Mapping[str, Surface], shapes: Plan) -> tuple[FatEntry, ...]:
 
 
 def _eye_turn(
-    side: str, named: Mapping[str, Surface], marks: Landmarks, subtree: Mapping[str, set[int]]
+    side: str, named: Mapping[str, Surface], marks: Landmarks, subtrees: Mapping[str, set[int]]
 ) -> Turn | None:
     """By what hangs on the eye's bone; without one, by the parts that are eyes on that side."""
     weights = {}
     for name, surface in named.items():
-        if EYES[side] in subtree:
-            share = surface.hanging(subtree[EYES[side]])
+        if EYES[side] in subtrees:
+            share = surface.hanging(subtrees[EYES[side]])
         else:
             ball = name.startswith(("eye", "cornea"))
             share = (surface.positions[:, 0] > 0) == (side == "l") if ball else np.zeros(1)
@@ -227,13 +227,13 @@ def _eye_turn(
     return Turn(EYE_FAPS[side], (Y, X), tuple(weights), centre, partial)
 
 
-def _head_turn(named: Mapping[str, Surface], marks: Landmarks, subtree: Mapping[str, set[int]]) -> Turn:
+def _head_turn(named: Mapping[str, Surface], marks: Landmarks, subtrees: Mapping[str, set[int]]) -> Turn:
     weights = {}
     for name, surface in named.items():
-        if "head" in subtree:
-            share = surface.hanging(subtree["head"])
-            if "neck" in subtree:
-                share = share + NECK_SHARE * surface.hanging(subtree["neck"] - subtree["head"])
+        if "head" in subtrees:
+            share = surface.hanging(subtrees["head"])
+            if "neck" in subtrees:
+                share = share + NECK_SHARE * surface.hanging(subtrees["neck"] - subtrees["head"])
         else:
             slant = surface.positions[:, 1] + 0.6 * surface.positions[:, 2]
             rise = np.clip((slant - FALLOFF[0]) / (FALLOFF[1] - FALLOFF[0]), 0, 1)

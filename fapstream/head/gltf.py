@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.fap.fdp import FAPU_NAMES
 from fapstream.head.document import UNSIGNED, WIDTHS, split_glb
 from fapstream.head.fapu import Fapu
 from fapstream.head.materials import Materials
@@ -25,7 +26,8 @@ from fapstream.records import N_FAPS
 VERSION = 1
 MAX_ENTRIES = 4096
 MAX_PARTS = 64
-FAPU_NAMES = ("IRISD0", "ES0", "ENS0", "MNS0", "MW0")
+KNOT_GAP = 1e-6
+"""What knots are apart, of each other and of 0, at the least: a table has no steps."""
 _FLOAT = frozenset({"<f4"})
 
 
@@ -133,12 +135,14 @@ class _Reader(Materials):
         if not isinstance(knots, list) or not 0 < len(knots) <= 64:
             self.fail(place, "knots are not a list of 1 to 64 FAP values")
         steps = [self.number(knot, place + ".knots") for knot in knots]
-        if 0 in steps or any(low >= high for low, high in pairwise(steps)):
-            self.fail(place, f"knots {steps[:8]} must ascend and leave out 0")
+        if min(map(abs, steps)) < KNOT_GAP or any(high - low < KNOT_GAP for low, high in pairwise(steps)):
+            self.fail(place, f"knots {steps[:8]} must ascend, {KNOT_GAP} apart, and leave out 0")
         indices = self.accessor(row.get("indices"), "SCALAR", UNSIGNED, place + ".indices")[:, 0]
         if indices.size and int(indices.max()) >= self.counts[part]:
             self.fail(place, f"moves vertex {indices.max()}; {part} has {self.counts[part]}")
-        if len(np.unique(indices)) != len(indices):
+        named = np.zeros(self.counts[part], bool)
+        named[indices] = True
+        if np.count_nonzero(named) != len(indices):
             self.fail(place, "names a vertex twice")
         deltas = self.accessor(row.get("deltas"), "VEC3", frozenset({"<i2"}), place + ".deltas")
         if len(deltas) != len(steps) * len(indices):

@@ -13,10 +13,20 @@ TRANSFORM = "KHR_texture_transform"
 class Materials(Document):
     """A document whose materials can be read."""
 
+    def __init__(self, document: dict[str, Any], binary: bytes, where: str) -> None:
+        super().__init__(document, binary, where)
+        self._materials: dict[int, Material] = {}
+
     def material(self, index: Any, place: str) -> Material:
+        """The material of that number: parts that name the same one share one object."""
         if index is None:
             return Material("plain")
         row = self.item("materials", index, place)
+        if index not in self._materials:
+            self._materials[index] = self._material(row, place)
+        return self._materials[index]
+
+    def _material(self, row: dict[str, Any], place: str) -> Material:
         pbr = row.get("pbrMetallicRoughness", {})
         if not isinstance(pbr, dict):
             self.fail(place, "has a material without pbrMetallicRoughness")

@@ -72,9 +72,9 @@ def _local(document: Document, node: dict[str, Any], place: str) -> Array:
     return matrix
 
 
-def below(nodes: list[Node], tops: set[int]) -> set[int]:
-    """Those nodes and everything that hangs on them."""
-    found = set(tops)
+def subtree(nodes: list[Node], top: int) -> set[int]:
+    """A node and everything that hangs on it."""
+    found = {top}
     for i in range(len(nodes)):
         trail = []
         at: int | None = i

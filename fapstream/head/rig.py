@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cache
-from importlib import resources
 
+from fapstream.data import read_lines
 from fapstream.head.nodes import Node
 
 EYES = {"l": "leftEye", "r": "rightEye"}
@@ -48,6 +48,5 @@ def kind_of(names: tuple[str, ...]) -> str:
 
 @cache
 def _words() -> tuple[tuple[str, tuple[str, ...]], ...]:
-    text = resources.files("fapstream.head").joinpath("data", "part_names.tsv").read_text(encoding="utf-8")
-    rows = (line.partition("\t") for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    rows = (line.partition("\t") for _, line in read_lines("head", "part_names.tsv"))
     return tuple((kind, tuple(words.split())) for kind, _, words in rows)

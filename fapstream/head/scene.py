@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.errors import DataError
-from fapstream.head.document import UNSIGNED
+from fapstream.head.document import MAX_SIZE, UNSIGNED
 from fapstream.head.materials import Materials
 from fapstream.head.mesh import Image, Material
 from fapstream.head.nodes import Array, read_nodes
 
 MAX_MESHES = 256
-MAX_SIZE = 1e8
 MAX_SURFACE = 1 << 18
 """Vertices of one primitive."""
 MAX_TARGETS = 1024
@@ -237,8 +236,6 @@ class Scene(Materials):
         values = self.accessor(index, kind, types, place, count)
         normalized = self.item("accessors", index, place).get("normalized") is True
         if not normalized or values.dtype.kind == "f":
-            if _most(values) > MAX_SIZE:
-                self.fail(place, f"has values beyond {MAX_SIZE:g}")
             return values.astype(np.float64)
         result: Array = np.maximum(values / np.iinfo(values.dtype).max, -1.0)
         return result

@@ -6,11 +6,11 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.data import read_lines
 from fapstream.errors import DataError
 from fapstream.fap.tables import visemes
 from fapstream.records import N_FAPS
@@ -163,8 +163,6 @@ def _pairs(file: str, check: Callable[[str], str]) -> Iterator[tuple[str, tuple[
 
 
 def _lines(file: str) -> Iterator[tuple[int, str, str]]:
-    text = resources.files("fapstream.head").joinpath("data", file).read_text(encoding="utf-8")
-    for number, line in enumerate(text.splitlines(), 1):
-        if line.strip() and not line.startswith("#"):
-            name, _, rest = line.partition("\t")
-            yield number, name, rest
+    for number, line in read_lines("head", file):
+        name, _, rest = line.partition("\t")
+        yield number, name, rest

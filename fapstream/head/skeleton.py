@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.errors import DataError
 from fapstream.head.deform import rotation
 from fapstream.head.fapu import Point
 from fapstream.head.glb_writer import GlbWriter, short_list
@@ -18,6 +19,8 @@ Combination = tuple[int, ...]
 """Numbers of the turns a vertex takes part in, the first applied first; a joint does them all."""
 
 INFLUENCES = 4
+MAX_JOINTS = 64
+"""Eight turns that overlap with others' weights would need hundreds; heads have three."""
 NAMES = {48: "Head", 23: "LeftEye", 24: "RightEye"}
 """Of joints, by the first FAP of their turn."""
 
@@ -31,11 +34,15 @@ class Skeleton:
 
 
 def skeleton(head: Head) -> Skeleton:
-    """A turn moves a vertex by its weight's share; so two make four joints, most of them idle."""
+    """A turn moves a vertex by its weight's share; so two make four joints, most of them idle.
+
+    Raises DataError for turns that overlap so much that more than MAX_JOINTS were needed.
+    """
     shares = {part.name: _shares(head, part.name, len(part.positions)) for part in head.parts}
     needed: set[Combination] = {()}
     for table in shares.values():
         needed |= {combination[k:] for combination in table for k in range(len(combination))}
+    _check(head, len(needed))
     combinations = tuple(sorted(needed, key=lambda c: (len(c), c)))
     weights = {}
     for name, table in shares.items():
@@ -95,7 +102,14 @@ def _shares(head: Head, part: str, count: int) -> dict[Combination, NDArray[np.f
             rows[combination] = share * (1 - turned)
             rows[(*combination, number)] = share * turned
         shares = {combination: share for combination, share in rows.items() if share.any()}
+        _check(head, len(shares))
     return shares
+
+
+def _check(head: Head, joints: int) -> None:
+    if joints > MAX_JOINTS:
+        reason = f"its turns overlap so much that a skeleton would need more than {MAX_JOINTS} joints"
+        raise DataError(head.name or "head", None, reason)
 
 
 def _pivot(head: Head, combination: Combination) -> Point:

@@ -10,17 +10,17 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.data import read_text
+from fapstream.fap import ANGLE_UNIT_RAD
 from fapstream.motion.chance import minimum_jerk, uniform
 from fapstream.motion.idle import blink
 from fapstream.records import N_FAPS, SILENCE, Phone, TimedPhone
 
-AU = 1e-5
 HEAD_PITCH = 47
 NOD, BROWS, END_NOD, END_BLINK, SIZE = range(40, 45)
 """Channels of chance."""
@@ -31,8 +31,7 @@ LONGEST_S = 1.2
 @cache
 def table() -> Any:
     """data/gestures.toml."""
-    text = resources.files("fapstream.motion").joinpath("data/gestures.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+    return tomllib.loads(read_text("motion", "gestures.toml"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +104,7 @@ class Gestures:
 
     def _nod(self, start: float, law: Any, strength: float) -> None:
         values = np.zeros(N_FAPS)
-        values[HEAD_PITCH] = _between(law["pitch_rad"], strength) / AU
+        values[HEAD_PITCH] = _between(law["pitch_rad"], strength) / ANGLE_UNIT_RAD
         self._gestures.append(_Gesture(start, law["up_s"], law["down_s"], values))
 
     def _chance(self, channel: int) -> float:

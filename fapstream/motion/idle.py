@@ -11,10 +11,10 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from math import hypot, log, pi, radians, sin
 from typing import Any, Literal
 
+from fapstream.data import read_text
 from fapstream.motion.chance import Events, log_normal, minimum_jerk, noise, normal, uniform
 
 Mode = Literal["talk", "listen"]
@@ -29,8 +29,7 @@ HEAD = 30
 @cache
 def life() -> Any:
     """data/life.json."""
-    text = resources.files("fapstream.motion").joinpath("data/life.json").read_text(encoding="utf-8")
-    return json.loads(text)
+    return json.loads(read_text("motion", "life.json"))
 
 
 @dataclass(frozen=True, slots=True)

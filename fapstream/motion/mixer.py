@@ -10,21 +10,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.data import read_lines
 from fapstream.errors import DataError
+from fapstream.fap import ANGLE_UNIT_RAD as AU
 from fapstream.fap import limits
 from fapstream.motion import closure
 from fapstream.motion.idle import Idle, Look, life
 from fapstream.records import N_FAPS
 
 Values = NDArray[np.float64]
-
-AU = 1e-5
-"""Radians per FAP unit of an angle."""
 
 PITCH, YAW, ROLL = 47, 48, 49
 LEFT_YAW, RIGHT_YAW, LEFT_PITCH, RIGHT_PITCH = 22, 23, 24, 25
@@ -113,10 +111,7 @@ def shares_while_speaking() -> Values:
     """How much of an expression is left of each FAP while the mouth speaks, shape (68,), 0 to 1."""
     name = "mixing.tsv"
     shares = np.ones(N_FAPS)
-    rows = resources.files("fapstream.motion").joinpath("data", name).read_text(encoding="utf-8").splitlines()
-    for number, line in enumerate(rows, 1):
-        if not line.strip() or line.startswith(("#", "faps\t")):
-            continue
+    for number, line in read_lines("motion", name):
         try:
             faps, percent, _ = line.split("\t")
             shares[[int(fap) - 1 for fap in faps.split()]] = float(percent) / 100

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.data import names, read_lines
 from fapstream.errors import DataError, UnknownLanguage
-from fapstream.fap import N_VISEMES, visemes
+from fapstream.fap import FULL, N_VISEMES, visemes
 from fapstream.motion.closure import BITTEN, CLOSED
 from fapstream.motion.mixer import Mouth
 from fapstream.records import N_FAPS, SILENCE, TimedPhone
-
-MAX_BLEND = 63
-"""FAP 1 blends two visemes in 63 steps."""
 
 REST_MS = 120
 """In a pause the mouth takes this long to come to rest, and as long to leave it."""
@@ -82,16 +79,12 @@ def shapes() -> NDArray[np.float64]:
 @cache
 def phone_shapes(lang: str) -> dict[str, PhoneShape]:
     """The shape of every phone of a language, by SAMPA name. Raises UnknownLanguage."""
-    folder = resources.files("fapstream.motion").joinpath("data")
     name = f"visemes_{lang}.tsv"
-    known = sorted(f.name[8:-4] for f in folder.iterdir() if f.name.startswith("visemes_"))
+    known = tuple(file[8:-4] for file in names("motion") if file.startswith("visemes_"))
     if lang not in known:
-        raise UnknownLanguage(lang, tuple(known))
+        raise UnknownLanguage(lang, known)
     shapes = {}
-    rows = folder.joinpath(name).read_text(encoding="utf-8").splitlines()
-    for number, line in enumerate(rows, 1):
-        if line.startswith(("#", "phone\t")) or not line.strip():
-            continue
+    for number, line in read_lines("motion", name):
         try:
             phone, targets, hold_ms, unstressed = line.split("\t")
             shapes[phone] = PhoneShape(_targets(targets), float(hold_ms), float(unstressed) / 100)
@@ -115,9 +108,9 @@ def _target(text: str) -> Target:
     if not second:
         return Target(float(percent) / 100, shapes()[_viseme(first)])
     number, _, blend = second.partition(":")
-    share = int(blend) / MAX_BLEND
+    share = int(blend) / FULL
     if not 0 <= share <= 1:
-        raise ValueError(f"blend {blend} is not 0 to {MAX_BLEND}")
+        raise ValueError(f"blend {blend} is not 0 to {FULL}")
     mixed = shapes()[_viseme(first)] * share + shapes()[_viseme(number)] * (1 - share)
     return Target(float(percent) / 100, mixed)
 

@@ -22,6 +22,9 @@ TYPES = {
     ".svg": "image/svg+xml",
 }
 
+ANYWHERE = ("Access-Control-Allow-Origin", "*")
+"""Pages of any origin may read the answer, if only to learn that there is no such head."""
+
 PAGE = re.compile(r"/([a-z0-9][a-z0-9.-]{0,63})?")
 GZIP = re.compile(r"\bgzip\b(?!\s*;\s*q=0(\.0*)?\s*(,|$))")
 DEFAULT_HEAD = "default"
@@ -73,11 +76,11 @@ class Site:
         """The response to GET `path`; query strings are ignored."""
         found = self._find(path.partition("?")[0])
         if found is None:
-            return Answer(404, (("Content-Type", "text/plain"),), b"Not found\n")
+            return Answer(404, (("Content-Type", "text/plain"), ANYWHERE), b"Not found\n")
         file = _load(found)
         headers = [
             ("Content-Type", file.content_type),
-            ("Access-Control-Allow-Origin", "*"),
+            ANYWHERE,
             ("Cross-Origin-Resource-Policy", "cross-origin"),
             ("X-Content-Type-Options", "nosniff"),
             ("Cache-Control", "no-cache"),

@@ -1,14 +1,13 @@
-"""What has been received of one turn, addressed by sample: FAP frames and marks. The player has the sound."""
+"""The faces that have been received of one turn, addressed by sample. The player has the sound."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections import deque
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fapstream.records import N_FAPS, FapFrame, Mark, Packet
+from fapstream.records import N_FAPS, FapFrame, Packet
 
 KEEP_FRAMES = 256
 
@@ -20,13 +19,11 @@ class TurnBuffer:
         self.received = 0
         self._samples: list[int] = []
         self._frames: list[FapFrame] = []
-        self._marks: deque[Mark] = deque()
 
     def push(self, packet: Packet) -> None:
         """The next packet of the turn."""
         self._samples += [frame.sample for frame in packet.frames]
         self._frames += packet.frames
-        self._marks.extend(packet.marks)
         self.received += len(packet.pcm)
 
     def face(self, sample: float) -> NDArray[np.float64]:
@@ -43,13 +40,6 @@ class TurnBuffer:
         face: NDArray[np.float64] = a.values + (b.values - a.values) * min(1.0, max(0.0, share))
         self._forget(low)
         return face
-
-    def take(self, sample: float) -> list[Mark]:
-        """The marks that began up to `sample` and were not taken before, in order."""
-        taken = []
-        while self._marks and self._marks[0].sample <= sample:
-            taken.append(self._marks.popleft())
-        return taken
 
     def _forget(self, index: int) -> None:
         if index >= 2 * KEEP_FRAMES:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
+from fapstream import data
 from fapstream.errors import DataError, UnknownLanguage
 
 LANGUAGES = ("en", "el")
@@ -30,15 +30,12 @@ class PhoneInfo:
 
 def read_bytes(path: str) -> bytes:
     """The contents of `tts/data/<path>`. Raises DataError when it is not there."""
-    try:
-        return files("fapstream.tts").joinpath("data", *path.split("/")).read_bytes()
-    except OSError as error:
-        raise DataError(path, None, "not in the package") from error
+    return data.read_bytes("tts", path)
 
 
 def read_text(path: str) -> str:
     """The contents of `tts/data/<path>` as UTF-8 text. Raises DataError."""
-    return read_bytes(path).decode("utf-8")
+    return data.read_text("tts", path)
 
 
 def read_rows(path: str, columns: int) -> Iterator[tuple[int, list[str]]]:
@@ -46,9 +43,7 @@ def read_rows(path: str, columns: int) -> Iterator[tuple[int, list[str]]]:
 
     Missing trailing fields are empty. Raises DataError naming the line with too many fields.
     """
-    for number, line in enumerate(read_text(path).split("\n"), 1):
-        if not line.strip() or line.startswith(";"):
-            continue
+    for number, line in data.read_lines("tts", path, comment=";"):
         fields = line.split("\t")
         if len(fields) > columns:
             raise DataError(path, number, f"{len(fields)} fields where {columns} are expected")

@@ -59,11 +59,12 @@ class Studio:
 
         With the backdrop alpha is 255; without it the picture has premultiplied alpha.
         """
-        self._renderer.deform(values)
-        self._renderer.draw(self._canvas.framebuffer, view, backdrop)
-        self._canvas.resolve(self._plain.framebuffer)
+        with self._context:  # several studios may be open
+            self._renderer.deform(values)
+            self._renderer.draw(self._canvas.framebuffer, view, backdrop)
+            self._canvas.resolve(self._plain.framebuffer)
+            data = self._plain.framebuffer.read(components=4)
         width, height = self._canvas.size
-        data = self._plain.framebuffer.read(components=4)
         return np.frombuffer(data, np.uint8).reshape(height, width, 4)[::-1]
 
     def close(self) -> None:

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import wave
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from fapstream.adapters.files import read_file
 from fapstream.errors import DataError
 from fapstream.fap import read_animation
+from fapstream.fap.rows import Note
 from fapstream.records import FapFrame, Packet, Pcm
 
 SILENT_RATE = 16_000
 """Hz of the clock where there is no sound."""
+MAX_RATE = 384_000
+MAX_SAMPLES = 1 << 29
+"""Three hours at 48 kHz; longer talks would not fit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +31,8 @@ class Clip:
     frames: tuple[FapFrame, ...]
     faces_end: int
     """The sample at which the last frame ends."""
+    notes: tuple[Note, ...] = ()
+    """What was odd in the file."""
 
     @property
     def samples(self) -> int:
@@ -42,25 +50,32 @@ class Clip:
 
 
 def read_clip(fap: Path, wav: Path | None) -> Clip:
-    """The talk in a FAP file and its sound. Raises OSError, DataError."""
+    """The talk in a FAP file and its sound. Raises OSError, InputError, DataError."""
     rate, pcm = (SILENT_RATE, np.zeros(0, np.int16)) if wav is None else read_wav(wav)
-    sequence = read_animation(fap.read_bytes(), str(fap))
+    sequence = read_animation(read_file(fap), str(fap))
+    if sequence.length * rate / sequence.fps > MAX_SAMPLES:
+        seconds = sequence.length / sequence.fps
+        raise DataError(
+            str(fap), None, f"lasts {seconds:.0f} s; the most is {MAX_SAMPLES // rate} s at {rate} Hz"
+        )
     rows = sequence.low_level()
     starts = [round(k * rate / sequence.fps) for k in range(len(rows) + 1)]
     frames = tuple(FapFrame(start, row) for start, row in zip(starts, rows, strict=False))
-    return Clip(rate, pcm, frames, starts[-1])
+    return Clip(rate, pcm, frames, starts[-1], sequence.notes)
 
 
 def read_wav(path: Path) -> tuple[int, Pcm]:
-    """Sample rate in Hz and the sound as mono int16. Raises OSError, DataError."""
+    """Sample rate in Hz and the sound as mono int16. Raises OSError, InputError, DataError."""
     try:
-        with path.open("rb") as opened, wave.open(opened) as file:
+        with wave.open(io.BytesIO(read_file(path))) as file:
             width, channels, rate = file.getsampwidth(), file.getnchannels(), file.getframerate()
             data = file.readframes(file.getnframes())
     except (wave.Error, EOFError) as e:
-        raise DataError(str(path), None, f"no WAV file of PCM sound: {e or 'it ends too early'}") from e
-    if not rate or not channels:
-        raise DataError(str(path), None, f"{rate} Hz, {channels} channels")
+        why = str(e) or "it ends too early"
+        reason = f"no WAV file of plain PCM sound ({why}); `ffmpeg -i IN -c:a pcm_s16le OUT.wav` makes one"
+        raise DataError(str(path), None, reason) from e
+    if not 0 < rate <= MAX_RATE:
+        raise DataError(str(path), None, f"{rate} Hz; it must be above 0 and at most {MAX_RATE}")
     data = data[: len(data) // (width * channels) * width * channels]
     return rate, _mono(data, width, channels)
 

@@ -1,7 +1,7 @@
 """Which face to show: the turn's at the heard sample, idle life when nothing is said.
 
 Where one takes over from the other, what was shown lasts as an offset that dies away: nothing jumps, and lips
-are on time. The same as the web client's.
+are on time. Twin of clients/web/src/motion/face.ts.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ from fapstream.stream import Heard, TurnBuffer
 HEAD, EYES = [47, 48, 49], [22, 23, 24, 25]
 MOOD = [30, 31, 32, 33, 34, 35, 36, 37, 40, 41, 60, 61, 62, 63]
 """Columns of FAPs; of brows, cheeks and nose."""
-LIPS_S, MOOD_S, HEAD_S, EYES_S, LIDS_S = 0.15, 0.6, 0.7, 0.06, 0.16
-"""How long what was shown before lasts: lips go at once, moods and heads take their time, eyes leap."""
+MOOD_S, HEAD_S, EYES_S, LIDS_S = 0.6, 0.7, 0.06, 0.16
+"""How long what was shown before lasts: moods and heads take their time, eyes leap."""
+TURN_S, REST_S = 0.15, 0.35
+"""The same for the mouth, which is at the disposal of a turn that begins and comes to rest softly."""
 LONGEST_STEP_S = 0.25
 """Idle life takes no longer steps: after a halt it does not catch up on its blinks."""
 
@@ -31,10 +33,11 @@ class FaceMixer:
 
     def __init__(self, seed: int | None) -> None:
         self._life = None if seed is None else IdleLife(seed, "listen")
-        lids = [int(fap) - 1 for fap in life()["blink"]["shut"]]
-        self._alive = [*HEAD, *EYES, *lids]
-        self._fades = np.full(N_FAPS, LIPS_S)
-        for columns, fade in ((MOOD, MOOD_S), (HEAD, HEAD_S), (EYES, EYES_S), (lids, LIDS_S)):
+        shut = life()["blink"]["shut"]
+        self._lids, self._shut = [int(fap) - 1 for fap in shut], list(shut.values())
+        self._alive = [*HEAD, *EYES, *self._lids]
+        self._fades = np.zeros(N_FAPS)
+        for columns, fade in ((MOOD, MOOD_S), (HEAD, HEAD_S), (EYES, EYES_S), (self._lids, LIDS_S)):
             self._fades[columns] = fade
         self._shown, self._offset = np.zeros(N_FAPS), np.zeros(N_FAPS)
         self._source: tuple[int | None, bool] | None = None
@@ -61,6 +64,8 @@ class FaceMixer:
         if source != self._source:
             self._offset = np.zeros(N_FAPS) if self._source is None else self._shown - target
             self._source, self._since = source, 0.0
-        left = [1 - minimum_jerk(self._since / fade) for fade in self._fades]
+        mouth_s = REST_S if source[0] is None else TURN_S
+        left = [1 - minimum_jerk(self._since / (fade or mouth_s)) for fade in self._fades]
         self._shown = target + self._offset * left
+        self._shown[self._lids] = np.minimum(self._shown[self._lids], self._shut)
         return self._shown

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,18 +17,23 @@ from fapstream.viewer.graphics import needed
 SOUND = "audio.wav"
 PICTURE = "{:05d}.png"
 
+Told = Callable[[int, int], None]
 
-def film(clip: Clip, studio: Studio, folder: Path, fps: float) -> int:
-    """Write 00000.png and so on, and audio.wav, into `folder`; returns how many pictures. Raises OSError."""
+
+def film(clip: Clip, studio: Studio, folder: Path, fps: float, told: Told = lambda done, total: None) -> int:
+    """Write 00000.png and so on, and audio.wav, into `folder`; returns how many pictures. Raises OSError.
+
+    `told` hears after each picture how many there are by now, and will be.
+    """
     pictures = needed("PIL.Image")
     folder.mkdir(parents=True, exist_ok=True)
     write_wav(folder / SOUND, clip.sample_rate, clip.sound)
-    count = 0
-    for face in faces(clip, fps):
+    total = picture_count(clip, fps)
+    for k, face in enumerate(faces(clip, fps)):
         image = pictures.fromarray(np.ascontiguousarray(studio.picture(face)[..., :3]))
-        image.save(folder / PICTURE.format(count), compress_level=3)
-        count += 1
-    return count
+        image.save(folder / PICTURE.format(k), compress_level=3)
+        told(k + 1, total)
+    return total
 
 
 def faces(clip: Clip, fps: float) -> Iterator[NDArray[np.float64]]:

@@ -9,14 +9,14 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 import numpy as np
-from websockets.exceptions import InvalidURI, WebSocketException
+from websockets.exceptions import InvalidStatus, InvalidURI, WebSocketException
 
 from fapstream.adapters.stdin import chunks
 from fapstream.client import Talker, Turn, connect
 from fapstream.errors import FapstreamError, InputError
 from fapstream.protocol import generated as g
 from fapstream.records import FapFrame, Packet
-from fapstream.viewer.clip import Clip
+from fapstream.viewer.clip import SILENT_RATE, Clip
 from fapstream.viewer.show import Show
 
 ACK_S = 0.25
@@ -63,7 +63,7 @@ async def collect(wish: Wish) -> Clip:
                 packets.append(event)
                 await talker.acknowledge(turn, event.start + len(event.pcm))
     if begin is None:
-        return Clip(16_000, np.zeros(0, np.int16), (), 0)
+        return Clip(SILENT_RATE, np.zeros(0, np.int16), (), 0)
     frames: list[FapFrame] = [frame for packet in packets for frame in packet.frames]
     pcm = np.concatenate([packet.pcm for packet in packets] or [np.zeros(0, np.int16)])
     end = frames[-1].sample + begin.sample_rate // begin.fps if frames else 0
@@ -90,10 +90,9 @@ async def _report(talker: Talker, turn: Turn, show: Show) -> None:
     """Tell the server what is heard."""
     while True:
         await asyncio.sleep(ACK_S)
-        heard = show.heard()
-        if heard and heard.turn == turn.number and heard.state == "playing":
-            sample = int(heard.sample)
-            await talker.acknowledge(turn, sample, max(0, show.received(turn.number) - sample))
+        ack = show.ack(turn.number)
+        if ack:
+            await talker.send(ack)
 
 
 @asynccontextmanager
@@ -125,6 +124,10 @@ async def _connected(wish: Wish) -> AsyncIterator[Talker]:
             yield talker
     except InvalidURI as e:
         raise InputError(f"{wish.url!r} is no address of a server; one is ws://127.0.0.1:8765/ws") from e
+    except InvalidStatus as e:
+        raise ConnectionLost(
+            f"{wish.url} answers with HTTP {e.response.status_code}; a server's address ends in /ws"
+        ) from e
     except (OSError, WebSocketException, TimeoutError) as e:
         raise ConnectionLost(
             f"no connection to {wish.url}: {e or type(e).__name__}; is `fapstream serve` running?"

@@ -32,7 +32,7 @@ class Renderer:
         self._drawn = [Drawn(programs, shape, head, pictures, thrifty) for shape in order]
         self._rest: Matrix = np.eye(4)
 
-    def deform(self, values: Values | NDArray[np.float64]) -> None:
+    def deform(self, values: Values) -> None:
         """Take the face that the FAPs (68,), FAP n at n-1, describe."""
         self._deformer.apply(values)
         self._rest[:] = np.linalg.inv(head_turn(self.head, values))

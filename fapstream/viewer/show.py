@@ -8,6 +8,7 @@ from collections.abc import Callable, Coroutine
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from fapstream.protocol import generated as g
 from fapstream.records import Packet
 from fapstream.stream import Heard, TurnBuffer
 from fapstream.viewer.face import FaceMixer
@@ -16,7 +17,7 @@ from fapstream.viewer.sound import OpenDevice, Sound
 from fapstream.viewer.window import Window
 
 FOLLOW = 0.15
-"""How quickly lead and frame rate follow, as a share of each new value."""
+"""How quickly lead, skew and frame rate follow, as a share of each new value."""
 MOST_LEAD_S = 0.1
 """The picture is never drawn for a sample further ahead than this."""
 MOST_FPS = 60
@@ -48,7 +49,8 @@ class Show:
         self._sound: Sound | None = None
         self._buffers: dict[int, TurnBuffer] = {}
         self._start = self._drawn = self._titled = time.monotonic()
-        self._lead = 0.0
+        self._lead = self._skew = 0.0
+        self._dry = 0
         self.fps = 0.0
         self.told: Callable[[Shown], None] | None = None
         """Hears of every picture."""
@@ -83,9 +85,19 @@ class Show:
         """What is heard now."""
         return self._sound.heard() if self._sound else None
 
-    def received(self, turn: int) -> int:
-        """Samples of a turn that is not over yet."""
-        return self._buffers[turn].received if turn in self._buffers else 0
+    def ack(self, turn: int) -> g.Ack | None:
+        """What the server is to know of a turn; None unless it is being heard."""
+        heard, buffer = self.heard(), self._buffers.get(turn)
+        if not heard or not buffer or (heard.turn, heard.state) != (turn, "playing"):
+            return None
+        sample = int(heard.sample)
+        queue, skew = max(0, buffer.received - sample), round(1e6 * self._skew)
+        return g.Ack(turn=turn, sample=sample, queue=queue, underruns=self.underruns, skew=skew)
+
+    @property
+    def underruns(self) -> int:
+        """Times that the sound ran dry."""
+        return self._dry + (self._sound.underruns if self._sound else 0)
 
     # --- what is seen
 
@@ -104,6 +116,7 @@ class Show:
 
     def close(self) -> None:
         """Fall silent."""
+        self._dry = self.underruns
         if self._sound:
             self._sound.close()
         self._sound = None
@@ -121,10 +134,13 @@ class Show:
         self._lead += FOLLOW * (min(MOST_LEAD_S, now - began) - self._lead)
         self.fps += FOLLOW * (1 / max(1e-3, now - self._drawn) - self.fps)
         self._drawn = now
+        heard = self.heard()
+        pair: tuple[float, float] | tuple[None, None] = (None, None)
+        if self._sound and shown and heard and heard.state == shown.state == "playing":
+            pair = shown.sample, heard.sample
+            late = (heard.sample - shown.sample) / self._sound.sample_rate
+            self._skew += FOLLOW * (late - self._skew)
         if self.told:
-            heard = self.heard()
-            playing = shown is not None and heard is not None and heard.state == shown.state == "playing"
-            pair = (shown.sample, heard.sample) if playing and shown and heard else (None, None)
             self.told(Shown(time.time(), *pair))
 
 

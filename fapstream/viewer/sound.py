@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
-from fapstream.adapters.audio import AudioUnavailable, Output, Render
+from fapstream.adapters.audio import BUFFER_MS, AudioUnavailable, Output, Render
 from fapstream.records import Pcm
 from fapstream.stream import Heard, Playback
 
-BUFFER_MS, BUSY_BUFFER_MS = 20, 100
+BUSY_BUFFER_MS = 100
 
 
 class Device(Protocol):

@@ -24,9 +24,9 @@ async ([selector, box]) => {
     const [W, H] = [canvas.width, canvas.height];
     paint.drawImage(canvas, x * W, y * H, w * W, h * H, 0, 0, 64, 48);
     const { data } = paint.getImageData(0, 0, 64, 48);
-    let dark = 0;
-    for (let i = 0; i < data.length; i += 4) dark += data[i] + data[i + 1] + data[i + 2] < 200 ? 1 : 0;
-    seen.push([performance.timeOrigin + performance.now(), dark]);
+    let open = 0;
+    for (let i = 0; i < data.length; i += 4) open += data[i] - data[i + 2] < 35 ? 1 : 0;
+    seen.push([performance.timeOrigin + performance.now(), open]);
     if (window.seen === seen) requestAnimationFrame(look);
   };
   requestAnimationFrame(look);
@@ -36,7 +36,10 @@ async ([selector, box]) => {
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """Frames: wall clock in seconds, and how many of 3072 pixels of the mouth's box are dark."""
+    """Frames: wall clock in seconds, and how many of 3072 pixels of the mouth's box are teeth or darkness.
+
+    Those have hardly more red than blue; skin, lips and tongue have.
+    """
 
     times: NDArray[np.float64]
     opening: NDArray[np.float64]

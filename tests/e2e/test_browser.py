@@ -15,7 +15,7 @@ from tests.e2e.mouth import heard_closures, offsets_ms, seen, seen_closures, wat
 from tests.e2e.pages import embed
 from tests.e2e.sound import Recorder
 
-MOUTH = (0.36, 0.56, 0.26, 0.16)
+MOUTH = (0.40, 0.555, 0.20, 0.095)
 TEXTS = {
     "en": "Papa pop, papa pop papa. Papa papa pop, papa pop. Papa papa, papa pop papa.",
     "el": "Παπάπα, πάπα παπά. Πάπα παπά πάπα. Παπά πάπα, παπάπα πάπα παπά.",

@@ -218,3 +218,26 @@ async def test_an_insecure_page_is_told(browser: Browser, elsewhere: tuple[Path,
     message = page.locator("#head .message")
     await message.wait_for(state="visible")
     assert "secure context" in await message.inner_text()
+
+
+async def test_a_head_that_cannot_be_shown_leaves_the_one_that_is(
+    browser: Browser, elsewhere: tuple[Path, str], address: str
+) -> None:
+    """The page says which file and why; the next good head takes the message away."""
+    page = await open_page(browser)
+    await embed(page, elsewhere, address, address)
+    (elsewhere[0] / "cut.glb").write_bytes(b"glTF" + bytes(100))
+    await page.evaluate(
+        "() => { head = document.querySelector('#head'); said = head.shadowRoot.querySelector('.message'); }"
+    )
+    for name, reason in (
+        ("cut.glb", "/cut.glb: GLB header"),
+        ("nobody", "/nobody.glb: HTTP 404"),
+        ("http://", "http:// cannot be reached"),
+    ):
+        await page.evaluate("(name) => head.setAttribute('head', name)", name)
+        await page.wait_for_function("(r) => !said.hidden && said.textContent.includes(r)", arg=reason)
+    picture = await page.evaluate("head.shadowRoot.querySelector('canvas').toDataURL().length")
+    assert picture > 20_000, "there is no head any more"
+    await page.evaluate("head.setAttribute('head', 'generic')")
+    await page.wait_for_function("said.hidden")

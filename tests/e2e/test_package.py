@@ -35,7 +35,12 @@ def run(installed: Path, *arguments: str) -> str:
 
 
 def test_the_client_and_a_head_travel_with_it(installed: Path) -> None:
-    needed = ["server/web/fap-head.js", "server/web/index.html", "assets/look/head.frag", "assets/look/look.json"]
+    needed = [
+        "server/web/fap-head.js",
+        "server/web/index.html",
+        "assets/look/head.frag",
+        "assets/look/look.json",
+    ]
     for name in (*needed, *(f"assets/heads/{head}.glb" for head in packaged_heads())):
         assert (installed / "fapstream" / name).stat().st_size > 500, name
     [information] = installed.glob("fapstream-*.dist-info")

@@ -101,9 +101,10 @@ export class FapHead extends HTMLElement {
   private addresses(): { socketUrl: string; headUrl: string; workletUrl: string } {
     const socket = new URL(this.getAttribute("src") ?? new URL("/ws", HOME), document.baseURI);
     socket.protocol = socket.protocol.replace("http", "ws");
-    const head = this.getAttribute("head") ?? "default";
-    const headUrl = /^[\w-]+$/.test(head) ? new URL(`/heads/${head}.glb`, HOME) : new URL(head, document.baseURI);
-    return { socketUrl: socket.href, headUrl: headUrl.href, workletUrl: new URL("fap-worklet.js", HOME).href };
+    const head = this.getAttribute("head") || "default";
+    const [address, base] = /^[\w-]+$/.test(head) ? [`/heads/${head}.glb`, HOME] : [head, document.baseURI];
+    const headUrl = URL.canParse(address, base) ? new URL(address, base).href : head;
+    return { socketUrl: socket.href, headUrl, workletUrl: new URL("fap-worklet.js", HOME).href };
   }
 
   // --- drawing

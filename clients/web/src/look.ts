@@ -28,8 +28,9 @@ canvas.ready { opacity: 1; }
 .captions mark { color: var(--fap-caption-mark, #ffd479); background: none; }
 .message, .unlock { position: absolute; left: 50%; top: 50%; transform: translate(-50%, -50%); border-radius: 999px; }
 .message {
-  top: auto; bottom: 1rem; transform: translateX(-50%); width: max-content; max-width: 86%; padding: .5em 1em;
+  top: 1rem; transform: translateX(-50%); width: max-content; max-width: 86%; padding: .5em 1em;
   border-radius: .6em; background: rgb(20 24 32 / .84); font-size: .9rem;
+  overflow-wrap: anywhere;
 }
 button {
   font: inherit; color: inherit; border: 0; cursor: pointer; padding: .7em 1.3em; border-radius: 999px;

@@ -162,7 +162,7 @@ export class Presenter {
     } catch (e) {
       if (url !== this.headUrl) return;
       this.headless = true;
-      this.fault("head_unavailable", `No head: ${(e as Error).message}`);
+      this.fault("head_unavailable", `Head not loaded: ${(e as Error).message}`);
     }
   }
 

@@ -6,7 +6,8 @@ const COMPONENT = new Map<unknown, number>([[Uint8Array, 5121], [Int16Array, 512
 const KIND: Record<number, string> = { 1: "SCALAR", 2: "VEC2", 3: "VEC3" };
 
 export class GlbWriter {
-  readonly document: Record<"nodes" | "meshes" | "materials" | "accessors" | "bufferViews", unknown[]> & { extras?: object } = {
+  readonly document: Record<"nodes" | "meshes" | "materials" | "accessors" | "bufferViews", unknown[]> & { asset: object; extras?: object } = {
+    asset: { version: "2.0" },
     nodes: [], meshes: [], materials: [], accessors: [], bufferViews: [],
   };
   private readonly chunks: number[] = [];

@@ -42,7 +42,7 @@ float openness(vec3 off) {
   float under = smoothstep(0.045, 0.07, -off.y) * smoothstep(0.025, 0.06, -off.z) * (1.0 - 0.6 * smoothstep(0.07, 0.14, -off.y));
   return 1.0 - 0.3 * under;
 #elif defined(HOLLOW)
-  return mix(0.12, 1.0, smoothstep(-0.034, 0.002, off.z)) * mix(0.6, 1.0, smoothstep(-0.02, 0.004, 0.012 - off.y));
+  return mix(0.16, 1.0, smoothstep(-0.050, -0.004, off.z)) * mix(0.6, 1.0, smoothstep(-0.02, 0.004, 0.012 - off.y));
 #elif defined(EYE)
   float lids = smoothstep(-0.0015, 0.0055, off.y) * 0.6 + smoothstep(0.001, 0.007, -off.y) * 0.35;
   float corners = smoothstep(0.004, 0.0125, abs(off.x)) * 0.55;

@@ -1,4 +1,4 @@
-"""Sound out: the callback's bookkeeping without a device, and what is said where there is none."""
+"""Sound out: what the device's thread does, and what is said where there is no device."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from fapstream.adapters import audio
-from fapstream.adapters.audio import AudioUnavailable, Output, Player
+from fapstream.adapters.audio import AudioUnavailable, Output
 
 RATE = 16000
-LATENCY = 800
 
 
 class Device:
@@ -23,9 +22,6 @@ class Device:
     def __init__(self) -> None:
         self.closed = self.terminated = False
 
-    def get_output_latency(self) -> float:
-        return LATENCY / RATE
-
     def close(self) -> None:
         self.closed = True
 
@@ -33,71 +29,15 @@ class Device:
         self.terminated = True
 
 
+def silence(n: int, _at: float) -> np.ndarray:
+    return np.zeros(n, np.int16)
+
+
 @pytest.fixture
 def device(monkeypatch: pytest.MonkeyPatch) -> Device:
     made = Device()
     monkeypatch.setattr(audio, "_open", lambda rate, callback, buffer_ms=0: (made, made))
     return made
-
-
-def pull(player: Player, n: int) -> list[int]:
-    """What the device is given when it asks for n samples."""
-    data, status = player._callback(None, n, None, 0)
-    assert status == 0
-    assert len(data) == 2 * n
-    return [int(sample) for sample in np.frombuffer(data, np.int16)]
-
-
-def test_sound_comes_out_in_order_and_then_silence(device: Device) -> None:
-    player = Player(RATE)
-    assert pull(player, 3) == [0, 0, 0]
-    player.write(np.array([1, 2, 3], np.int16))
-    player.write(np.array([4, 5, 6, 7], np.int16))
-    assert pull(player, 2) == [1, 2]
-    assert pull(player, 3) == [3, 4, 5]
-    assert pull(player, 4) == [6, 7, 0, 0]
-    assert pull(player, 2) == [0, 0]
-    assert player.given == 7
-
-
-def test_what_is_heard_lags_by_the_latency_and_arrives_in_the_end(device: Device) -> None:
-    player = Player(RATE)
-    player.write(np.ones(2000, np.int16))
-    heard = []
-    for _ in range(20):
-        pull(player, 160)
-        heard.append(player.heard)
-    assert heard[4] == 0
-    assert heard[9] == 1600 - LATENCY
-    assert heard == sorted(heard)
-    assert heard[-1] == 2000
-    assert player.idle
-
-
-def test_idle_only_when_the_last_sample_has_left_the_device(device: Device) -> None:
-    player = Player(RATE)
-    assert player.idle
-    player.write(np.ones(320, np.int16))
-    assert not player.idle
-    for _ in range(2):
-        pull(player, 160)
-    assert not player.idle, "given to the device, but its latency has not gone by"
-    for _ in range(LATENCY // 160):
-        pull(player, 160)
-    assert player.idle
-
-
-def test_sound_after_a_gap_takes_nothing_back(device: Device) -> None:
-    player = Player(RATE)
-    heard = []
-    for _ in range(3):
-        player.write(np.ones(320, np.int16))
-        for _ in range(12):
-            pull(player, 160)
-            heard.append(player.heard)
-    assert heard == sorted(heard)
-    assert heard[11] == 320
-    assert heard[-1] == 960
 
 
 def test_an_output_fetches_and_tells_when_it_will_be_heard(device: Device) -> None:
@@ -120,12 +60,6 @@ def test_an_output_fetches_and_tells_when_it_will_be_heard(device: Device) -> No
     assert device.terminated
 
 
-def test_close(device: Device) -> None:
-    Player(RATE).close()
-    assert device.closed
-    assert device.terminated
-
-
 def test_without_pyaudio_the_way_out_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     real = builtins.__import__
 
@@ -136,8 +70,8 @@ def test_without_pyaudio_the_way_out_is_told(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.delitem(sys.modules, "pyaudio", raising=False)
     monkeypatch.setattr(builtins, "__import__", missing)
-    with pytest.raises(AudioUnavailable, match=r"fapstream\[play\].*--wav"):
-        Player(RATE)
+    with pytest.raises(AudioUnavailable, match=r"fapstream\[play\]"):
+        Output(RATE, silence)
 
 
 def test_without_a_device_the_way_out_is_told(
@@ -155,8 +89,8 @@ def test_without_a_device_the_way_out_is_told(
 
     fake = types.SimpleNamespace(PyAudio=NoDevice, paInt16=8)
     monkeypatch.setitem(sys.modules, "pyaudio", fake)
-    with pytest.raises(AudioUnavailable, match=r"Invalid output device.*--wav"):
-        Player(RATE)
+    with pytest.raises(AudioUnavailable, match="Invalid output device"):
+        Output(RATE, silence)
     assert closed == [True]
     assert AudioUnavailable.code == "no_audio"
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 
 import pytest
 
-from fapstream.adapters.spares import Spares
+from fapstream.adapters.spares import Spares, end_program
 from fapstream.errors import VoiceUnavailable
 
 
@@ -99,3 +100,12 @@ async def test_closing_ends_them_all() -> None:
     await spares.give_back(taken[1], reusable=True)
     await spares.aclose()
     assert not any(p.alive for p in start.made)
+
+
+@pytest.mark.parametrize("chatter", ["", "print('x' * 1_000_000, flush=True); "])
+async def test_a_program_is_ended_whatever_it_still_has_to_say(chatter: str) -> None:
+    code = f"{chatter}import time; time.sleep(60)"
+    process = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdout=asyncio.subprocess.PIPE)
+    await asyncio.wait_for(end_program(process), 10)
+    assert process.returncode is not None
+    await end_program(process)

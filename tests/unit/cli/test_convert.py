@@ -18,6 +18,7 @@ from fapstream.fap import FapSequence, faps, format_fap, read_animation, read_fa
 from fapstream.fap.fdp import read_fdp, read_xfdp
 from fapstream.head.gltf import read_head
 from fapstream.tts import voice
+from tests.unit.head.avatars import avatar
 
 HEAD = resources.files("fapstream").joinpath("assets", "heads", "generic.glb")
 STEPS = np.array([f.quant for f in faps()])
@@ -231,3 +232,15 @@ def test_speech_takes_less_than_3_kbit_s(tmp_path: Path, capsys: pytest.CaptureF
     assert told
     assert float(told[1]) > 30
     assert 1 < float(told[2]) < 3
+
+
+def test_heads_by_name_and_of_others(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, foreign = tmp_path / "out.fdp", tmp_path / "ann.vrm"
+    assert main(["convert", "generic", str(out)]) == 0
+    assert len(read_fdp(out.read_text(), "out")) == 84
+    foreign.write_bytes(avatar(["jawOpen", "mouthPucker"]))
+    assert main(["convert", str(foreign), str(out)]) == 0
+    assert 4 < len(read_fdp(out.read_text(), "out")) < 84
+    assert "shapes are missing" in capsys.readouterr().err
+    assert main(["convert", "generic", str(tmp_path / "out.fap")]) == 1
+    assert "generic is a head" in capsys.readouterr().err

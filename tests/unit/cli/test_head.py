@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from fapstream.cli import main
-from fapstream.cli.head import servable
-from fapstream.errors import DataError
 from fapstream.fap.files import format_fap
 from fapstream.fap.sequence import FapSequence
 from fapstream.head.gltf import read_head
@@ -37,13 +35,16 @@ def test_show_a_foreign_head(foreign: Path, capsys: pytest.CaptureFixture[str]) 
     assert "mouthSmileLeft" in captured.err
 
 
-def test_import_writes_a_head_of_ours(foreign: Path, tmp_path: Path) -> None:
+def test_import_writes_a_head_of_ours(
+    foreign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out.glb"
     assert main(["head", "import", str(foreign), "-o", str(out)]) == 0
     assert read_head(out.read_bytes()).name == "ann"
+    assert capsys.readouterr().out == f"{out}: ann, a head of ours, {out.stat().st_size} bytes\n"
 
 
-def test_export_shapes_and_talk(tmp_path: Path) -> None:
+def test_export_shapes_and_talk(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     frames = np.zeros((3, 68), np.int32)
     frames[1, [2, 4]] = 300, -390
     fap = tmp_path / "a.fap"
@@ -53,6 +54,7 @@ def test_export_shapes_and_talk(tmp_path: Path) -> None:
         out = tmp_path / "out.glb"
         assert main(["head", "export", "generic", *options, "-o", str(out)]) == 0
         assert word in out.read_bytes()
+        assert ("3 frames, 0.12 s" in capsys.readouterr().out) == ("--fap" in options)
 
 
 @pytest.mark.parametrize(
@@ -78,12 +80,13 @@ def test_a_file_that_is_no_head(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert "not a GLB file" in capsys.readouterr().err
 
 
-def test_what_is_served_is_always_ours(foreign: Path, tmp_path: Path) -> None:
-    served = servable(foreign)
-    assert served != foreign
-    assert served.stem == "ann"
-    assert read_head(served.read_bytes()).fat
-    assert servable(served) == served
-    (tmp_path / "bad.glb").write_bytes(b"")
-    with pytest.raises(DataError):
-        servable(tmp_path / "bad.glb")
+@pytest.mark.parametrize("name", ["huge.glb", "talk.fap"])
+def test_a_file_that_is_too_large_is_not_read(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / name
+    with path.open("wb") as file:
+        file.truncate(1 << 40)
+    head, options = (path, []) if name.endswith(".glb") else ("generic", ["--fap", str(path)])
+    assert main(["head", "export", str(head), *options, "-o", str(tmp_path / "x.glb")]) == 1
+    assert f"{path}: more than" in capsys.readouterr().err

@@ -39,6 +39,16 @@ def test_pictures_of_a_file(talk: list[str], tmp_path: Path, capsys: pytest.Capt
     assert changes == sorted(changes)
     assert changes[-1] > 0.05
     assert len(read_wav(out / "audio.wav")[1]) == 5120
+    (out / "00008.png").touch()
+    assert main(["view", *talk, "--headless", "--frames", str(out), "--size", "96x64"]) == 0
+    assert "still has pictures of a longer talk, from 00008.png on" in capsys.readouterr().err
+
+
+def test_oddities_of_a_file_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fap, out = tmp_path / "odd.fap", tmp_path / "out"
+    fap.write_text(" ".join(["0"] * 68) + "\n0\n")
+    assert main(["view", "--fap", str(fap), "--headless", "--frames", str(out), "--size", "32x32"]) == 0
+    assert f"{fap}: line 1: no header" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -50,6 +60,7 @@ def test_pictures_of_a_file(talk: list[str], tmp_path: Path, capsys: pytest.Capt
         (["--fap", "a.fap", "--headless"], "--frames DIR go together"),
         (["--fap", "a.fap", "--frames", "d"], "--frames DIR go together"),
         (["--headless", "--frames", "d"], "what is to be seen"),
+        (["--fap", "a.fap", "--headless", "--frames", "d", "--trace", "t"], "for a window"),
         (["--fap", "missing.fap", "--headless", "--frames", "d"], "missing.fap"),
         (["--fap", "a.fap", "--headless", "--frames", "d", "--head", "nobody"], "no head called 'nobody'"),
         (["--fap", "a.fap", "--headless", "--frames", "d", "--head", "missing.glb"], "missing.glb"),
@@ -80,9 +91,8 @@ def test_sizes_that_are_none(text: str, capsys: pytest.CaptureFixture[str]) -> N
     assert "no size" in capsys.readouterr().err
 
 
-def test_sizes_and_rates() -> None:
+def test_a_size() -> None:
     assert view.size("640x480") == (640, 480)
-    assert view.frame_rate("29.97") == 29.97
 
 
 @pytest.mark.parametrize("text", ["0", "nan", "inf", "-25", "fast", "1000"])

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fapstream import data
 from fapstream.errors import DataError
-from fapstream.fap import tables
-from fapstream.fap.tables import EXPRESSIONS, N_VISEMES, expressions, faps, limits, visemes
+from fapstream.fap.tables import EXPRESSIONS, N_VISEMES, coding_ranges, expressions, faps, limits, visemes
 
 SCHEMA = Path(__file__).parents[3] / "protocol" / "schema" / "faps.json"
 
@@ -69,7 +69,7 @@ def test_expressions() -> None:
 
 
 def from_text(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    monkeypatch.setattr(tables, "_read", lambda _: text)
+    monkeypatch.setattr(data, "read_text", lambda *_: text)
 
 
 @pytest.mark.parametrize(
@@ -122,20 +122,20 @@ def test_visemes_and_expressions_are_within_the_limits() -> None:
     "row", ["3\t0\t1600", "2\t0\t1\twhy", "69\t0\t1\twhy", "3\t10\t20\twhy", "3\t0\t0\twhy", "3\tx\t1\twhy"]
 )
 def test_a_bad_limit_names_its_line(row: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tables, "_read", lambda _: f"# c\nfap\tlow\thigh\twhy\n{row}\n")
+    from_text(monkeypatch, f"# c\n\n{row}\n")
     with pytest.raises(DataError, match=r"limits\.tsv:3: "):
         limits.__wrapped__()
 
 
 def test_a_missing_limit_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tables, "_read", lambda _: "3\t0\t1600\twhy\n")
+    from_text(monkeypatch, "3\t0\t1600\twhy\n")
     with pytest.raises(DataError, match="no row for FAP 4, 5"):
         limits.__wrapped__()
 
 
 def test_coding_ranges() -> None:
     """Some rows of the standard's table, in quantised units; FAPs 1 and 2 are coded otherwise."""
-    ranges = tables.coding_ranges()
+    ranges = coding_ranges()
     assert ranges.shape == (68, 2)
     assert not ranges[:2].any()
     rows = {3: (1080, 360), 5: (1860, 600), 18: (420, 180), 23: (1200, 420), 48: (1860, 600), 63: (680, 180)}
@@ -148,4 +148,4 @@ def test_coding_ranges() -> None:
 def test_a_bad_coding_range_names_its_line(row: str, monkeypatch: pytest.MonkeyPatch) -> None:
     from_text(monkeypatch, f"# comment\n{row}\n")
     with pytest.raises(DataError, match=r"^coding\.tsv:2: "):
-        tables.coding_ranges.__wrapped__()
+        coding_ranges.__wrapped__()

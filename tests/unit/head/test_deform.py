@@ -1,7 +1,5 @@
 """deform: the properties; its numbers are in protocol/vectors/deform."""
 
-from importlib import resources
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,9 +7,9 @@ from hypothesis import strategies as st
 
 from fapstream.fap.tables import Fap, faps
 from fapstream.head.deform import about_axis, deform, knot_shares
-from fapstream.head.gltf import read_head
+from tests.unit.head.packaged import packaged
 
-GENERIC = read_head(resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes(), "generic")
+GENERIC = packaged()
 AXES = {"up": (0, 1, 0), "down": (0, -1, 0), "left": (1, 0, 0), "right": (-1, 0, 0), "forward": (0, 0, 1)}
 POINTED = [fap for fap in faps() if fap.fap > 2 and fap.fdp and fap.positive in AXES]
 KNOTS = st.lists(st.integers(-2000, 2000).filter(bool), min_size=1, max_size=5, unique=True).map(sorted)

@@ -1,7 +1,6 @@
 """The drawn shapes agree with deform, whatever was shown before."""
 
 import json
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,9 @@ import pytest
 from fapstream.head.deform import deform
 from fapstream.head.deformer import Deformer, head_turn
 from fapstream.head.gltf import read_head
+from tests.unit.head.packaged import packaged
 
-GENERIC = read_head(resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes(), "generic")
+GENERIC = packaged()
 VECTORS = Path(__file__).parents[3] / "protocol/vectors/deform"
 DATA = json.loads((VECTORS / "small.json").read_text(encoding="utf-8"))
 SMALL = read_head((VECTORS / DATA["head"]).read_bytes(), DATA["head"])

@@ -88,6 +88,14 @@ def test_a_broken_accessor_is_refused_with_the_place(name: str) -> None:
         doc.accessor(0, "VEC3", FLOAT, "p")
 
 
+def test_floats_whose_squares_would_be_infinite_are_refused() -> None:
+    doc = document(accessors=[accessor(bufferView=4, count=4)])
+    for value in (1e9, -1e9, 1e38):
+        doc.binary = BINARY[:64] + np.full(15, value, "<f4").tobytes()
+        with pytest.raises(DataError, match=r"x\.glb: p.*beyond 1e\+08"):
+            doc.accessor(0, "VEC3", FLOAT, "p")
+
+
 def test_the_same_numbers_over_and_over_come_to_an_end() -> None:
     doc = document(accessors=[accessor()])
     for _ in range(3):
@@ -102,6 +110,7 @@ def test_the_same_numbers_over_and_over_come_to_an_end() -> None:
         ({"images": [{"uri": "https://example.org/x.png"}]}, "not embedded"),
         ({"images": [{"uri": "data:image/png;base64,AAAA"}]}, "not embedded"),
         ({"images": [{"bufferView": 4}]}, "99999 x 20 pixels"),
+        ({"images": [{"bufferView": 0}]}, "no PNG, JPEG or WebP"),
         ({"images": []}, r"images\[0\] does not exist"),
         ({"textures": [{}]}, r"images\[None\]"),
     ],

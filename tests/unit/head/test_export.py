@@ -2,7 +2,6 @@
 
 import json
 import struct
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,9 @@ from fapstream.head.export import arkit_targets, export_shapes, export_talk, fap
 from fapstream.head.gltf import read_head
 from fapstream.head.mesh import Head
 from fapstream.head.shapes import arkit, oculus
+from tests.unit.head.packaged import packaged
 
-GENERIC = read_head(resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes(), "generic")
+GENERIC = packaged()
 TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 FPS = 25.0
@@ -156,7 +156,7 @@ def test_a_talk_is_played_exactly(frame: int) -> None:
 def test_the_clock_of_a_talk() -> None:
     file = File(export_talk(GENERIC, talk(), FPS))
     for sampler in file.json["animations"][0]["samplers"]:
-        np.testing.assert_allclose(file.accessor(sampler["input"])[:, 0], np.arange(7) / FPS, atol=1e-7)
+        np.testing.assert_allclose(file.accessor(sampler["input"])[:, 0], np.arange(8) / FPS, atol=1e-7)
 
 
 def test_a_talk_in_arkit_shapes_is_near() -> None:

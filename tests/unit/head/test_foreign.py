@@ -2,6 +2,7 @@
 
 import contextlib
 import copy
+import time
 import tracemalloc
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,11 @@ from fapstream.errors import DataError
 from fapstream.fap.tables import visemes
 from fapstream.head.deform import deform
 from fapstream.head.document import split_glb
-from fapstream.head.foreign import load_head, read_foreign
+from fapstream.head.foreign import _named, load_head, read_foreign
 from fapstream.head.gltf import read_head
 from fapstream.head.gltf_write import write_head
-from fapstream.head.mesh import Head
+from fapstream.head.mesh import Head, Material
+from fapstream.head.scene import Surface
 from fapstream.head.shapes import arkit, oculus, strengths
 from tests.unit.head.avatars import avatar, changed, packed, push, sheet
 
@@ -45,6 +47,21 @@ def test_shapes_move_the_face_as_their_drives_say(scale: float) -> None:
         rows = strengths(visemes()[viseme][None].astype(np.int32), [n for n in arkit() if "Look" not in n])
         expected = sum(weight[0] * push(name, POINTS) for name, weight in rows.items())
         np.testing.assert_allclose(moved(imported.head, visemes()[viseme]), expected, atol=6e-5)
+
+
+def surface(name: str, vertices: int, far: float) -> Surface:
+    """Of which jawOpen moves every vertex so far."""
+    still = np.zeros((vertices, 3))
+    move = np.full((vertices, 3), far, np.float32)
+    return Surface(
+        (name,), still, still, still[:, :2], np.zeros((1, 3), np.int64), Material(name), {"jawOpen": move},
+        np.zeros((vertices, 1), np.int64), np.ones((vertices, 1)),
+    )  # fmt: skip
+
+
+def test_the_skin_is_what_most_vertices_move_of_not_what_moves_most() -> None:
+    named = _named([surface("beard", 5, 0.03), surface("face", 20, 0.001)])
+    assert named["skin"].names == ("face",)
 
 
 def test_strengths_stay_between_0_and_1() -> None:
@@ -232,3 +249,14 @@ def test_a_document_changed_anywhere_never_raises_anything_else(data: st.DataObj
             at = at[key]
     with contextlib.suppress(DataError):
         read_foreign(packed(document, bytes(binary)), "bad.glb")
+
+
+CORPUS = Path(__file__).with_name("corpus")
+
+
+@pytest.mark.parametrize("path", sorted(CORPUS.glob("*.glb")), ids=lambda path: path.name)
+def test_what_once_went_wrong_is_refused_in_no_time(path: Path) -> None:
+    began = time.thread_time()
+    with pytest.raises(DataError, match=path.name):
+        load_head(path.read_bytes(), path.name)
+    assert time.thread_time() - began < 1

@@ -38,6 +38,16 @@ def test_the_small_head_is_read() -> None:
     assert head.turns[1].parts is None
 
 
+def test_parts_that_name_one_material_share_it() -> None:
+    document = copy.deepcopy(DOCUMENT)
+    meshes = [document["meshes"][node["mesh"]] for node in document["nodes"] if "mesh" in node]
+    for mesh in meshes:
+        mesh["primitives"][0]["material"] = 0
+    parts = read_head(packed(document)).parts
+    assert len(parts) > 1
+    assert all(part.material is parts[0].material for part in parts)
+
+
 BROKEN: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
     "version": (lambda d: d["extras"]["fapstream"].update(version=2), "extras.fapstream.version"),
     "no extras": (lambda d: d.pop("extras"), "extras"),
@@ -49,6 +59,8 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
     "view negative": (lambda d: d["bufferViews"][0].update(byteOffset=-4), "integer"),
     "stride": (lambda d: d["bufferViews"][0].update(byteStride=64), r"POSITION: needs"),
     "zero knot": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[0, 200]), r"fat\[0\]: knots"),
+    "knots near": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[-1e-9, 9]), r"fat\[0\]: knots"),
+    "knots nearer": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[9, 9.0000001]), "knots"),
     "knots down": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[200, 100]), r"fat\[0\]: knots"),
     "knots many": (lambda d: d["extras"]["fapstream"]["fat"][0].update(knots=[1, 2, 3]), "deltas"),
     "fap 1": (lambda d: d["extras"]["fapstream"]["fat"][0].update(fap=1), r"fat\[0\].fap"),
@@ -57,10 +69,10 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
     "drive name": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"jaw": 1}), r"fat\[4\].drive"),
     "drive empty": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={}), r"fat\[4\].drive"),
     "drive twice": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"3": 1, "03": 1}), "drive"),
-    "drive inf": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"3": float("inf")}), "drive"),
+    "drive inf": (lambda d: d["extras"]["fapstream"]["fat"][4].update(drive={"3": 1e300}), "drive"),
     "repeat": (lambda d: d["materials"][0].update(normalTexture={"index": 0, "extensions":
                {"KHR_texture_transform": {"scale": [1, 2]}}}), "normalTexture"),
-    "scale nan": (lambda d: d["extras"]["fapstream"]["fat"][0].update(scale=float("nan")), "scale"),
+    "scale nan": (lambda d: d["extras"]["fapstream"]["fat"][0].update(scale=1e300), "scale"),
     "fat part": (lambda d: d["extras"]["fapstream"]["fat"][0].update(part="hat"), "no part 'hat'"),
     "fat vertex": (lambda d: d["extras"]["fapstream"]["fat"][2].update(part="eye_l"), "vertex"),
     "axis zero": (lambda d: d["extras"]["fapstream"]["turns"][0].update(axes=[[0, 0, 0], [1, 0, 0]]), "axis"),
@@ -89,10 +101,12 @@ def test_a_broken_file_is_refused_with_the_place(name: str) -> None:
         b"X" + SMALL[1:],
         packed(b"[1, 2]"),
         packed(b"{"),
+        packed(b'{"asset": NaN}'),
+        packed(b'{"asset": "\xff"}'),
         packed(b"[" * 100000),
         packed({}),
     ],
-    ids=["empty", "short", "cut", "magic", "array", "json", "deep", "nothing"],
+    ids=["empty", "short", "cut", "magic", "array", "json", "NaN", "no UTF-8", "deep", "nothing"],
 )
 def test_what_is_no_head_is_refused(data: bytes) -> None:
     with pytest.raises(DataError, match=r"bad\.glb"):

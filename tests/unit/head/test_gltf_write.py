@@ -1,15 +1,16 @@
 """write_head, by reading back what it wrote."""
 
 from dataclasses import replace
-from importlib import resources
 
 import numpy as np
 
 from fapstream.head.gltf import read_head
 from fapstream.head.gltf_write import write_head
 from fapstream.head.mesh import Image, Material
+from tests.unit.head.packaged import packaged_data
+from tests.unit.head.test_picture import encoded
 
-GENERIC = resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes()
+GENERIC = packaged_data()
 
 
 def test_what_is_written_reads_back_the_same() -> None:
@@ -45,7 +46,7 @@ def test_what_is_written_reads_back_the_same() -> None:
 
 def test_a_normal_map_and_a_mixed_drive_are_kept() -> None:
     head = read_head(GENERIC)
-    pores = Image(b"\x89PNG pores", "image/png")
+    pores = Image(encoded("PNG", (8, 8)), "image/png")
     skin = replace(head.part("skin"), material=Material("skin", normal=pores, normal_repeat=8.0))
     entry = replace(
         head.fat[0],

@@ -1,7 +1,5 @@
 """Landmarks of our own head, exported to plain morph targets, against its feature points."""
 
-from importlib import resources
-
 import numpy as np
 import pytest
 
@@ -13,8 +11,9 @@ from fapstream.head.landmarks import find, moving
 from fapstream.head.mesh import Head
 from fapstream.head.scene import Scene
 from tests.unit.head.avatars import EYES, avatar
+from tests.unit.head.packaged import packaged_data
 
-GENERIC = resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes()
+GENERIC = packaged_data()
 
 
 @pytest.fixture(scope="module")

@@ -25,6 +25,20 @@ def test_what_is_there_is_read() -> None:
     assert material == Material("m", (0.1, 0.2, 0.3, 0.4), None, None, 1.0, 0.5, 0.0, "MASK", 0.3, True)
 
 
+def test_one_number_is_one_object() -> None:
+    """Whoever shows the head loads its pictures once."""
+    document = {"asset": {"version": "2.0"}, "materials": [{"name": "m"}, {"name": "m"}]}
+    materials = Materials(document, b"", "x.glb")
+    assert materials.material(0, "p") is materials.material(0, "q")
+    assert materials.material(0, "p") is not materials.material(1, "p")
+
+
+@pytest.mark.parametrize("index", [True, -1, 1, "0", [0], {}, 0.0])
+def test_a_number_that_is_none_is_refused(index: Any) -> None:
+    with pytest.raises(DataError, match=r"x\.glb: p: materials\["):
+        read(index)
+
+
 @pytest.mark.parametrize(
     "row",
     [

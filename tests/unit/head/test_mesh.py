@@ -1,20 +1,18 @@
 """The shipped head as a mesh: what protocol/HEAD.md and the web client rely on."""
 
 import gzip
-from importlib import resources
 
 import numpy as np
 import pytest
 
 from fapstream.head.fapu import measure
-from fapstream.head.gltf import read_head
+from tests.unit.head.packaged import packaged, packaged_data
 
-DATA = resources.files("fapstream").joinpath("assets/heads/generic.glb").read_bytes()
-HEAD = read_head(DATA, "generic.glb")
+HEAD = packaged()
 
 
 def test_it_is_light() -> None:
-    assert len(gzip.compress(DATA)) < 1_000_000
+    assert len(gzip.compress(packaged_data())) < 1_000_000
     assert sum(len(part.positions) for part in HEAD.parts) <= 25_000
 
 

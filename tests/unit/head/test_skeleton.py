@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fapstream.errors import DataError
 from fapstream.head.deform import about_axis, deform, rotation
 from fapstream.head.foreign import read_foreign
 from fapstream.head.gltf_write import HeadWriter
@@ -58,6 +59,15 @@ def test_partial_weights_of_two_turns_make_four_joints() -> None:
     frame = np.zeros(68)
     frame[[22, 47]] = 25000, -20000
     np.testing.assert_allclose(posed(head, frame, "skin"), deform(head, frame)["skin"], atol=2e-7)
+
+
+def test_turns_that_overlap_without_end_are_refused() -> None:
+    """64 of them would make 2^64 joints."""
+    half = np.full(len(HEAD.part("skin").positions), 0.5, np.float32)
+    turns = (Turn((48,), ((1, 0, 0),), None, (0, 0, 0), {"skin": half}),) * 64
+    head = Head("x", HEAD.parts, HEAD.fapu, HEAD.fdp, HEAD.mouth, HEAD.camera, (), turns)
+    with pytest.raises(DataError, match="x: its turns overlap"):
+        skeleton(head)
 
 
 def test_bones_hang_on_each_other_and_carry_names_that_others_know() -> None:

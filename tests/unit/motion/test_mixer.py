@@ -140,7 +140,7 @@ def test_the_frame_is_the_callers_own() -> None:
 @pytest.mark.parametrize("row", ["4 5\tx\twhy", "4 5\t30", "99\t30\twhy", "four\t30\twhy"])
 def test_a_bad_row_names_its_line(row: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "data").mkdir()
-    (tmp_path / "data/mixing.tsv").write_text(f"# c\nfaps\tpercent\twhy\n{row}\n", encoding="utf-8")
+    (tmp_path / "data/mixing.tsv").write_text(f"# c\n# faps\tpercent\twhy\n{row}\n", encoding="utf-8")
     monkeypatch.setattr("importlib.resources.files", lambda _: tmp_path)
     with pytest.raises(DataError, match=r"mixing\.tsv:3: "):
         mixer.shares_while_speaking.__wrapped__()

@@ -78,7 +78,7 @@ def test_an_unknown_language(lang: str) -> None:
 def test_a_bad_row_names_its_line(row: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "data"
     folder.mkdir()
-    head = "# a comment\nphone\ttargets\thold_ms\tunstressed\n\n"
+    head = "# a comment\n# phone\ttargets\thold_ms\tunstressed\n\n"
     (folder / "visemes_qq.tsv").write_text(f"{head}_\t0@50\t0\t100\n{row}\n", encoding="utf-8")
     monkeypatch.setattr("importlib.resources.files", lambda _: tmp_path)
     with pytest.raises(DataError, match=r"visemes_qq\.tsv:5: "):

@@ -95,6 +95,7 @@ def test_nothing_else_can_be_fetched(site: Site, path: str) -> None:
     answer = site.answer(path)
     assert answer.status == 404
     assert answer.body == b"Not found\n"
+    assert ("Access-Control-Allow-Origin", "*") in answer.headers
 
 
 @given(st.text(st.sampled_from("abhedsx./\\%2ef\0\n~ :"), max_size=30))

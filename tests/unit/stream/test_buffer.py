@@ -1,22 +1,22 @@
-"""The face of a sample, and marks when they are reached."""
+"""The face of a sample."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from fapstream.records import FapFrame, Mark, Packet
+from fapstream.records import FapFrame, Packet
 from fapstream.stream.buffer import TurnBuffer
 
 
-def packet(k: int, marks: tuple[Mark, ...] = (), frames: int = 1) -> Packet:
+def packet(k: int, frames: int = 1) -> Packet:
     """40 ms at 16 kHz whose FAP 3 counts frames and FAP 48 counts down."""
     rows = []
     for i in range(frames):
         values = np.zeros(68, np.int32)
         values[2], values[47] = k * frames + i, -(k * frames + i)
         rows.append(FapFrame(640 * k + 640 // frames * i, values))
-    return Packet(1, 640 * k, np.zeros(640, np.int16), tuple(rows), marks)
+    return Packet(1, 640 * k, np.zeros(640, np.int16), tuple(rows))
 
 
 def filled(packets: int = 10, frames: int = 1) -> TurnBuffer:
@@ -49,12 +49,3 @@ def test_it_is_right_after_minutes_with_the_past_forgotten() -> None:
             assert buffer.face(640 * (k - 40.5))[2] == k - 40.5
     assert len(buffer._frames) < 1000
     assert buffer.received == 9000 * 640
-
-
-def test_marks_are_given_once_when_they_are_reached() -> None:
-    buffer = TurnBuffer()
-    buffer.push(packet(0, tuple(Mark("word", s, 1, str(s)) for s in (0, 100))))
-    buffer.push(packet(1, (Mark("word", 700, 1, "700"),)))
-    assert [m.sample for m in buffer.take(99)] == [0]
-    assert [m.sample for m in buffer.take(700)] == [100, 700]
-    assert buffer.take(9999) == []

@@ -1,22 +1,11 @@
-"""Heads for the viewer's tests: the packaged one, read once, and one of coloured squares."""
+"""A head of coloured squares for the viewer's tests."""
 
 from __future__ import annotations
-
-from functools import cache
-from importlib import resources
 
 import numpy as np
 
 from fapstream.head.fapu import Fapu
-from fapstream.head.gltf import read_head
 from fapstream.head.mesh import Camera, FatEntry, Head, Material, Mouth, Part
-
-
-@cache
-def generic() -> Head:
-    """The packaged head."""
-    source = resources.files("fapstream").joinpath("assets", "heads", "generic.glb")
-    return read_head(source.read_bytes(), "generic")
 
 
 def square(name: str, z: float, half: float, material: Material) -> Part:

@@ -8,7 +8,8 @@ import pytest
 from fapstream.head.mesh import Material
 from fapstream.viewer.camera import View
 from fapstream.viewer.canvas import Studio
-from tests.unit.viewer.heads import face, generic, square, squares
+from tests.unit.head.packaged import packaged
+from tests.unit.viewer.heads import face, square, squares
 
 WHITE = Material("white", roughness=1.0)
 
@@ -61,7 +62,7 @@ def test_what_is_nearer_hides_and_transparent_parts_blend() -> None:
 
 
 def test_the_backdrop_fills_what_the_head_leaves_free() -> None:
-    studio = Studio(generic(), (96, 64))
+    studio = Studio(packaged(), (96, 64))
     picture = studio.picture(face())
     assert picture.shape == (64, 96, 4)
     assert (picture[..., 3] == 255).all()
@@ -72,7 +73,7 @@ def test_the_backdrop_fills_what_the_head_leaves_free() -> None:
 
 
 def test_the_same_face_gives_the_same_picture_whatever_was_shown_before() -> None:
-    studio = Studio(generic(), (64, 64))
+    studio = Studio(packaged(), (64, 64))
     first = studio.picture(face(f3=300, f5=-200))
     other = studio.picture(face(f48=9000, f19=900))
     again = studio.picture(face(f3=300, f5=-200))

@@ -59,6 +59,14 @@ def test_without_sound_it_is_silent(tmp_path: Path) -> None:
     assert not clip.sound.any()
 
 
+@pytest.mark.parametrize(("fps", "rate"), [("0.000001", 8000), ("25", 400_000)])
+def test_what_would_not_fit_in_memory_is_refused(tmp_path: Path, fps: str, rate: int) -> None:
+    fap = fap_file(tmp_path, 5, 25)
+    fap.write_text(fap.read_text(encoding="ascii").replace("25 5", f"{fps} 5", 1), encoding="ascii")
+    with pytest.raises(DataError, match=r"a\.(fap: lasts 5000000 s|wav: 400000 Hz)"):
+        read_clip(fap, wav_file(tmp_path, TONE.tobytes(), rate=rate))
+
+
 def test_other_formats_keep_their_upper_bits_and_the_mean_of_their_channels(tmp_path: Path) -> None:
     wide = np.zeros((4000, 3), np.uint8)
     wide[:, 1:] = TONE.view(np.uint8).reshape(-1, 2)
@@ -83,7 +91,7 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
 def test_no_wav_is_told_with_its_name(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "bad.wav"
     path.write_bytes(data)
-    with pytest.raises(DataError, match=r"bad\.wav: no WAV file of PCM sound"):
+    with pytest.raises(DataError, match=r"bad\.wav: no WAV file of plain PCM sound \(.+\); `ffmpeg"):
         read_wav(path)
 
 

@@ -78,7 +78,7 @@ def test_it_stands_still_while_starved_and_lives_while_the_text_has_run_dry(buff
 def test_lips_ease_to_neutral_when_the_turn_lets_go(buffer: TurnBuffer) -> None:
     mixer = FaceMixer(1)
     last = mixer.show(buffer, at(640 * 8), 0)[JAW]
-    for k in range(1, 30):
+    for k in range(1, 37):
         now = mixer.show(buffer, at(640 * 8, "over"), k / 100)[JAW]
         assert -1e-6 <= last - now < 110
         last = now
@@ -101,6 +101,15 @@ def test_without_idle_life_the_frames_are_shown_as_they_are(buffer: TurnBuffer) 
         assert np.array_equal(mixer.show(buffer, at(640 * k), k / 25), buffer.face(640 * k))
     mixer.show(None, None, 9)
     assert not mixer.show(None, None, 10).any()
+
+
+def test_lids_never_go_through_each_other(buffer: TurnBuffer) -> None:
+    """A blink of the turn that ends in one of idle life."""
+    mixer, shut = FaceMixer(1), np.zeros(68, np.int32)
+    shut[18] = 2000
+    turn = TurnBuffer()
+    turn.push(Packet(1, 0, np.zeros(640, np.int16), (FapFrame(0, shut),)))
+    assert mixer.show(turn, at(0), 0)[18] == mixer._shut[0]
 
 
 def test_after_a_halt_it_does_not_catch_up_on_its_life() -> None:

@@ -45,7 +45,25 @@ def test_pictures_become_textures_once_with_their_first_row_first() -> None:
     context.release()
 
 
-@pytest.mark.parametrize("data", [b"", b"no picture", png()[:40]])
+@pytest.mark.parametrize("software", [True, False])
+def test_only_a_graphics_card_filters_textures_dearly(
+    software: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the processor draws is filtered as in the web client: one picture, four of its pixels."""
+    monkeypatch.setattr(graphics, "is_software", lambda _: software)
+    context = open_context()
+    head = squares(square("skin", 0, 0.1, Material("m", texture=Image(png(8, 8), "image/png"))))
+    (texture,) = textures_of(context, head).values()
+    dear = context.LINEAR_MIPMAP_LINEAR, context.LINEAR
+    assert (texture.filter == dear) is not software
+    assert (texture.anisotropy > 1) is not software
+    context.release()
+
+
+BOMB = png()[:16] + b"\0\0\xff\xff" * 2 + png()[24:]
+
+
+@pytest.mark.parametrize("data", [b"", b"no picture", png()[:40], BOMB])
 def test_a_broken_picture_is_the_files_fault(data: bytes) -> None:
     context = open_context()
     head = squares(square("skin", 0, 0.1, Material("m", texture=Image(data, "image/png"))))

@@ -15,9 +15,9 @@ import pytest
 from fapstream.adapters.clock import MonotonicClock
 from fapstream.client import ServerError
 from fapstream.errors import InputError
+from fapstream.protocol import generated as g
 from fapstream.records import Packet
 from fapstream.server import Service, Site, running
-from fapstream.stream import Heard
 from fapstream.viewer import live
 from fapstream.viewer.live import ConnectionLost, Wish, collect, perform
 from tests.unit.fakes import Failing, FakeVoices
@@ -51,11 +51,8 @@ class Stage:
         self.told.append(("end", turn))
         self.over.set()
 
-    def heard(self) -> Heard:
-        return Heard(1, float(self.samples), "playing")
-
-    def received(self, turn: int) -> int:
-        return self.samples
+    def ack(self, turn: int) -> g.Ack:
+        return g.Ack(turn=turn, sample=self.samples, queue=0, underruns=0, skew=0)
 
 
 async def test_a_turn_is_collected_whole_and_faster_than_it_is_heard() -> None:
@@ -111,6 +108,8 @@ async def test_what_goes_wrong_is_said() -> None:
     with pytest.raises(InputError, match="'localhost' is no address"):
         await collect(Wish("localhost", "x"))
     async with served() as url:
+        with pytest.raises(ConnectionLost, match=r"HTTP 404; a server's address ends in /ws"):
+            await collect(Wish(f"{url}/else", "x"))
         with pytest.raises(ServerError, match="no voice called 'nobody'"):
             await collect(Wish(url, "x", voice="nobody"))
     async with served(Failing("speech")) as url:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from fapstream.adapters.audio import Render
+from fapstream.protocol.generated import Ack
 from fapstream.records import FapFrame, Packet
-from fapstream.viewer.face import LIPS_S, FaceMixer
+from fapstream.viewer.face import TURN_S, FaceMixer
 from fapstream.viewer.show import Show, Shown, run_show
 from fapstream.viewer.sound import SilentDevice
 
@@ -85,12 +86,32 @@ def test_the_face_is_that_of_the_sample_heard(clock: Time) -> None:
     for _ in range(40):
         clock.now += 0.02
         show.frame()
-        if clock.now - start > LIPS_S:
+        if clock.now - start > TURN_S:
             assert screen.faces[-1][4] == pytest.approx(1000 * (clock.now - start), abs=1.0)
     playing = [s for s in shown if s.face is not None and s.heard is not None]
     assert len(playing) == 40
     assert all(s.face == s.heard for s in playing)
     assert shown[0].as_dict() == {"at": shown[0].at, "face": None, "heard": None}
+
+
+def test_the_server_is_told_what_is_heard_how_late_the_face_is_and_what_ran_dry(clock: Time) -> None:
+    show = show_of(Screen(), clock)
+    show.begin(1, RATE)
+    assert show.ack(1) is None
+    show.push(Packet(1, 0, np.full(RATE // 2, 5, np.int16)))
+    play(show, clock, 0.2)
+    assert show.ack(1) == Ack(turn=1, sample=3200, queue=4800, underruns=0, skew=0)
+    assert show.ack(2) is None
+    late = show._renderer.deform
+    show._renderer.deform = lambda values: (late(values), setattr(clock, "now", clock.now + 0.02))  # type: ignore[method-assign]
+    show._lead = 0.0
+    show.frame()
+    ack = show.ack(1)
+    assert ack is not None
+    assert ack.skew == pytest.approx(0.15 * 20_000, abs=1)
+    play(show, clock, 1.0)
+    show.close()
+    assert show.underruns == 1
 
 
 def test_when_all_is_heard_it_is_not_busy_and_the_face_eases_out(clock: Time) -> None:
@@ -102,7 +123,7 @@ def test_when_all_is_heard_it_is_not_busy_and_the_face_eases_out(clock: Time) ->
     assert screen.faces[-1][4] > 0
     play(show, clock, 0.3)
     assert screen.faces[-1][4] == 0
-    assert show.received(1) == 0
+    assert show.ack(1) is None
 
 
 def test_turns_follow_each_other_also_at_another_rate(clock: Time) -> None:

@@ -16,6 +16,8 @@ export interface Shape {
 /** Row-major 3x3. */
 type Matrix = number[];
 
+const IDENTITY: Matrix = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+
 export class Deformer {
   readonly shapes: Shape[];
   private readonly fields: Map<string, NormalField>;
@@ -103,7 +105,7 @@ export function knotShares(knots: readonly number[], value: number): [number, nu
 
 /** The matrix of a turn: axes[0] * axes[1] * ... */
 export function rotation({ faps, axes }: Pick<Turn, "faps" | "axes">, values: ArrayLike<number>): Matrix {
-  return faps.map((fap, i) => aboutAxis(axes[i], values[fap] * AU)).reduce(multiply);
+  return faps.map((fap, i) => aboutAxis(axes[i], values[fap] * AU)).reduce(multiply, IDENTITY);
 }
 
 /** Right-handed rotation about an axis of any length (Rodrigues). */

@@ -11,10 +11,12 @@ const BINARY_CHUNK = 0x004e4942;
 const MAX_FILE = 64 << 20;
 const MAX_JSON = 8 << 20;
 /** Numbers of all accessors together, as often as they are used. */
-const MAX_NUMBERS = 1 << 26;
-/** Pixels along a side of a picture, and of all pictures together. */
+const MAX_NUMBERS = 1 << 25;
+/** Pixels along a side of a picture, and of the pictures of all materials together. */
 const MAX_PICTURE = 4096;
 const MAX_PIXELS = 1 << 26;
+/** Of a float: far beyond any scene, and its square is still one. */
+export const MAX_SIZE = 1e8;
 export const WIDTHS: Record<string, number> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 const TYPES: Record<number, { new (data: ArrayBuffer): Numbers; BYTES_PER_ELEMENT: number }> = {
   5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array,
@@ -26,7 +28,9 @@ export function splitGlb(data: Uint8Array): { document: Json; binary: Uint8Array
   if (data.length > MAX_FILE) throw new HeadError(`${data.length} bytes; a head has at most ${MAX_FILE}`);
   const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
   if (data.length < 20 || view.getUint32(0, true) !== 0x46546c67) throw new HeadError("not a GLB file");
-  if (view.getUint32(4, true) !== 2 || view.getUint32(8, true) !== data.length) throw new HeadError("GLB header");
+  if (view.getUint32(4, true) !== 2 || view.getUint32(8, true) !== data.length) {
+    throw new HeadError(`GLB header says version ${view.getUint32(4, true)}, ${view.getUint32(8, true)} bytes; there are ${data.length}`);
+  }
   const chunks = new Map<number, Uint8Array>();
   for (let at = 12; at + 8 <= data.length; ) {
     const [size, kind] = [view.getUint32(at, true), view.getUint32(at + 4, true)];
@@ -37,7 +41,7 @@ export function splitGlb(data: Uint8Array): { document: Json; binary: Uint8Array
   const json = chunks.get(JSON_CHUNK);
   if (!json || json.length > MAX_JSON) throw new HeadError(`JSON chunk: missing, or more than ${MAX_JSON} bytes`);
   try {
-    return { document: object(JSON.parse(new TextDecoder().decode(json)), "JSON"), binary: chunks.get(BINARY_CHUNK) ?? new Uint8Array() };
+    return { document: object(JSON.parse(new TextDecoder("utf-8", { fatal: true, ignoreBOM: true }).decode(json)), "JSON"), binary: chunks.get(BINARY_CHUNK) ?? new Uint8Array() };
   } catch (e) {
     throw e instanceof HeadError ? e : new HeadError(`JSON chunk: ${(e as Error).message}`);
   }
@@ -47,10 +51,20 @@ export function splitGlb(data: Uint8Array): { document: Json; binary: Uint8Array
 export class Document {
   private numbersLeft = MAX_NUMBERS;
   private pixelsLeft = MAX_PIXELS;
+  private readonly materials = new Map<unknown, Material>();
 
-  constructor(protected readonly document: Json, private readonly binary: Uint8Array) {}
+  constructor(protected readonly document: Json, private readonly binary: Uint8Array) {
+    if (object(document.asset, "asset").version !== "2.0") throw new HeadError("asset.version is not 2.0");
+  }
 
+  /** The material of that number: parts that name the same one share one object. */
   protected material(index: unknown, where: string): Material {
+    const material = this.materials.get(index) ?? this.readMaterial(index, where);
+    this.materials.set(index, material);
+    return material;
+  }
+
+  private readMaterial(index: unknown, where: string): Material {
     const row = index === undefined ? {} : this.item("materials", index, where);
     const pbr = object(row.pbrMetallicRoughness ?? {}, `${where}.pbrMetallicRoughness`);
     return {
@@ -61,7 +75,7 @@ export class Document {
       normalRepeat: this.repeat(row.normalTexture, where),
       roughness: number(pbr.roughnessFactor ?? 1, `${where}.roughnessFactor`),
       metallic: number(pbr.metallicFactor ?? (index === undefined ? 0 : 1), `${where}.metallicFactor`),
-      alpha: (row.alphaMode ?? "OPAQUE") as Material["alpha"],
+      alpha: alphaOf(row.alphaMode ?? "OPAQUE", where),
       cutoff: number(row.alphaCutoff ?? 0.5, `${where}.alphaCutoff`),
       doubleSided: row.doubleSided === true,
     };
@@ -73,7 +87,9 @@ export class Document {
     const image = this.item("images", texture.source, where);
     if (image.bufferView === undefined) throw new HeadError(`${where}: its image is not embedded in the binary chunk`);
     const data = this.view(image.bufferView, where).slice();
-    const [width, height] = pictureSize(data) ?? [1, 1];
+    const size = pictureSize(data);
+    if (!size) throw new HeadError(`${where}: its image is no PNG, JPEG or WebP`);
+    const [width, height] = size;
     this.pixelsLeft -= width * height;
     if (Math.max(width, height) > MAX_PICTURE || this.pixelsLeft < 0) {
       throw new HeadError(`${where}: its image has ${width} x ${height} pixels; ${MAX_PICTURE} a side are the limit`);
@@ -104,7 +120,7 @@ export class Document {
       ? new type(new ArrayBuffer(n * width * type.BYTES_PER_ELEMENT))
       : this.rows(row, row.componentType as number, n, width, where);
     if (row.sparse !== undefined) this.scatter(values, object(row.sparse, where), row.componentType as number, width, where);
-    if (values instanceof Float32Array && !allFinite(values)) throw new HeadError(`${where} has values that are not finite`);
+    if (values instanceof Float32Array && !bounded(values)) throw new HeadError(`${where} has values that are not finite or beyond ${MAX_SIZE}`);
     return values;
   }
 
@@ -148,9 +164,14 @@ export class Document {
   }
 }
 
-function allFinite(values: Float32Array): boolean {
-  for (let i = 0; i < values.length; i++) if (!Number.isFinite(values[i])) return false;
+function bounded(values: Float32Array): boolean {
+  for (let i = 0; i < values.length; i++) if (!(Math.abs(values[i]) <= MAX_SIZE)) return false;
   return true;
+}
+
+function alphaOf(mode: unknown, where: string): Material["alpha"] {
+  if (mode !== "OPAQUE" && mode !== "MASK" && mode !== "BLEND") throw new HeadError(`${where}: alphaMode is ${String(mode)}`);
+  return mode;
 }
 
 export function object(value: unknown, where: string): Json {
@@ -168,9 +189,11 @@ export function number(value: unknown, where: string): number {
   return value;
 }
 
-/** A whole number from 0 to `most`. */
-export function natural(value: unknown, where: string, most = 2 ** 31): number {
-  if (!Number.isInteger(value) || (value as number) < 0 || (value as number) > most) throw new HeadError(`${where}: ${String(value)} is no number up to ${most}`);
+/** A whole number from `least` to `most`. */
+export function natural(value: unknown, where: string, most = 2 ** 31, least = 0): number {
+  if (!Number.isInteger(value) || (value as number) < least || (value as number) > most) {
+    throw new HeadError(`${where}: ${String(value)} is no whole number from ${least} to ${most}`);
+  }
   return value as number;
 }
 

@@ -4,7 +4,7 @@ import { splitGlb } from "./document";
 import { readHead } from "./glb";
 import { distance, find, JAW, LIPS, type Landmarks } from "./landmarks";
 import { HeadError, type FatEntry, type Head, type Part, type Point, type Turn } from "./model";
-import { below, bonesOf, EYES, kindOf, readVrm, SIDES, type Side, type Vrm } from "./rig";
+import { bonesOf, EYES, kindOf, readVrm, SIDES, subtree, type Side, type Vrm } from "./rig";
 import { hanging, kept, Scene, transformed, type Surface, type Wanted } from "./scene";
 import { known, plan, type Plan } from "./shapes";
 
@@ -32,7 +32,7 @@ export function readAnyHead(data: Uint8Array, name = "head"): { head: Head; warn
   return readForeign(data, name);
 }
 
-export function readForeign(data: Uint8Array, name: string): { head: Head; warnings: string[] } {
+function readForeign(data: Uint8Array, name: string): { head: Head; warnings: string[] } {
   const scene = new Scene(splitGlb(data));
   const vrm = readVrm(scene);
   let surfaces = scene.surfaces(wantedOf(scene, vrm));
@@ -48,7 +48,7 @@ export function readForeign(data: Uint8Array, name: string): { head: Head; warni
   const [normal, marks] = normalised(surfaces, find(surfaces, places));
   const named = namesOf(normal.map(bust).filter(({ triangles }) => triangles.length));
   if (!named.size || named.size > MAX_PARTS) throw new HeadError(`there are ${named.size} parts near the head; 1 to ${MAX_PARTS} can be shown`);
-  const subtrees: Subtrees = new Map([...rig].map(([bone, i]) => [bone, below(scene.nodes, i)]));
+  const subtrees: Subtrees = new Map([...rig].map(([bone, i]) => [bone, subtree(scene.nodes, i)]));
   const eyes = SIDES.flatMap((side) => eyeTurn(side, named, marks, subtrees) ?? []);
   const looks = [...has].filter((shape) => /^(eyeL|l)ook/.test(shape));
   const shapes = eyes.length ? plan(new Set([...has].filter((shape) => !looks.includes(shape))), "eyeLook") : plan(has);
@@ -138,9 +138,14 @@ function movedVertices(move: Float64Array): number {
 }
 
 /** `_l` or `_r` for what is all on one side. */
-function sideOf({ positions }: Surface): string {
-  const xs = positions.filter((_, i) => i % 3 === 0);
+function sideOf(surface: Surface): string {
+  const xs = across(surface);
   return xs.every((x) => x > 0) ? "_l" : xs.every((x) => x < 0) ? "_r" : "";
+}
+
+/** How far to the left each vertex is. */
+function across({ positions }: Surface): Float64Array {
+  return positions.filter((_, i) => i % 3 === 0);
 }
 
 function partOf(name: string, { positions, normals, uvs, triangles, material }: Surface): Part {
@@ -176,7 +181,7 @@ function eyeTurn(side: Side, named: Named, { eyes }: Landmarks, subtrees: Subtre
   const weights = new Map<string, Float32Array>();
   for (const [name, surface] of named) {
     const ball = /^(eye|cornea)/.test(name);
-    const share = bone ? hanging(surface, bone) : Float64Array.from(surface.positions.filter((_, i) => i % 3 === 0), (x) => Number(ball && x > 0 === (side === "l")));
+    const share = bone ? hanging(surface, bone) : across(surface).map((x) => Number(ball && x > 0 === (side === "l")));
     if (!share.some((w) => w)) continue;
     parts.push(name);
     if (!share.every((w) => w === 1)) weights.set(name, levels(share));

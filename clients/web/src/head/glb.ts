@@ -1,9 +1,13 @@
 /** Head files: GLB (glTF 2.0) bytes to a Head, as protocol/HEAD.md defines them. Throws HeadError and nothing else. */
 
-import { below, Document, FLOAT, list, number, numbers, object, point, positive, sized, splitGlb, UNSIGNED, WIDTHS, type Json } from "./document";
+import { below, Document, FLOAT, list, natural, number, numbers, object, point, positive, sized, splitGlb, UNSIGNED, WIDTHS, type Json } from "./document";
 import { HeadError, type FatEntry, type Head, type Part, type Turn } from "./model";
 
 const REQUIRED_PARTS = ["skin"];
+/** What knots are apart, of each other and of 0, at the least. */
+const KNOT_GAP = 1e-6;
+/** Parts are in head coordinates. */
+const TRANSFORMS = ["matrix", "translation", "rotation", "scale"];
 
 export function readHead(data: Uint8Array): Head {
   const { document, binary } = splitGlb(data);
@@ -24,7 +28,7 @@ class Reader extends Document {
     return {
       name: String(extras.name ?? ""),
       parts: [...this.parts.values()],
-      mouth: { center: point(mouth.center, "mouth.center"), size: numbers(mouth.size, "mouth.size", 2) as [number, number] },
+      mouth: { center: point(mouth.center, "mouth.center"), size: sizeOf(mouth.size) },
       camera: { target: point(camera.target, "camera.target"), height: positive(camera.height, "camera.height") },
       fat: list(extras.fat, "fat").map((row, i) => this.fat(object(row, `fat[${i}]`), `fat[${i}]`)),
       turns: list(extras.turns, "turns").map((row, i) => this.turn(object(row, `turns[${i}]`), `turns[${i}]`)),
@@ -35,6 +39,7 @@ class Reader extends Document {
     if (node.mesh === undefined) return;
     const { name } = node;
     if (typeof name !== "string" || !name || this.parts.has(name)) throw new HeadError(`${where} needs a name of its own`);
+    if (TRANSFORMS.some((key) => key in node)) throw new HeadError(`${where} has a transform; parts are in head coordinates`);
     const primitives = list(this.item("meshes", node.mesh, where).primitives, `${where}.primitives`);
     if (primitives.length !== 1) throw new HeadError(`${where} needs a mesh of exactly one primitive`);
     this.parts.set(name, this.part(name, object(primitives[0], where), where));
@@ -66,8 +71,8 @@ class Reader extends Document {
   private fat(row: Json, where: string): FatEntry {
     const part = this.named(row.part, where);
     const knots = numbers(row.knots, `${where}.knots`);
-    if (!knots.length || knots.some((k, i) => k === 0 || (i > 0 && k <= knots[i - 1]))) {
-      throw new HeadError(`${where}: knots ${knots.join(", ")} must ascend and leave out 0`);
+    if (!knots.length || knots.some((k, i) => Math.abs(k) < KNOT_GAP || (i > 0 && k - knots[i - 1] < KNOT_GAP))) {
+      throw new HeadError(`${where}: knots ${knots.join(", ")} must ascend, ${KNOT_GAP} apart, and leave out 0`);
     }
     const indices = Uint32Array.from(this.accessor(row.indices, "SCALAR", UNSIGNED, `${where}.indices`));
     below(indices, part.positions.length / 3, `${where}.indices`);
@@ -77,9 +82,11 @@ class Reader extends Document {
   }
 
   private turn(row: Json, where: string): Turn {
-    const faps = numbers(row.faps, `${where}.faps`);
+    const faps = list(row.faps, `${where}.faps`).map((fap) => fapNumber(fap, `${where}.faps`));
     const axes = list(row.axes, `${where}.axes`).map((axis) => point(axis, `${where}.axes`));
-    if (axes.length !== faps.length) throw new HeadError(`${where} needs one axis for each FAP`);
+    if (axes.length !== faps.length || axes.some((axis) => axis.every((x) => x === 0))) {
+      throw new HeadError(`${where} needs one axis that is not zero for each FAP`);
+    }
     const parts = row.parts === "*" ? null : list(row.parts, `${where}.parts`).map((name) => this.named(name, where).name);
     const weights = Object.entries(object(row.weights ?? {}, `${where}.weights`)).map(
       ([name, index]) => [name, this.weights(this.named(name, where), index, where)] as const);
@@ -101,10 +108,18 @@ class Reader extends Document {
 
 /** [FAP, coefficient] pairs of a table's `fap` or `drive`. */
 function drive(row: Json, where: string): FatEntry["drive"] {
-  const pairs = row.drive === undefined ? [[row.fap, 1]] : Object.entries(object(row.drive, `${where}.drive`));
-  return pairs.map(([fap, coefficient]) => {
-    const id = Number(fap);
-    if (!Number.isInteger(id) || id < 3 || id > 68) throw new HeadError(`${where}: ${String(fap)} is no FAP from 3 to 68`);
-    return [id, number(coefficient, `${where}.drive`)];
-  });
+  if (row.drive === undefined) return [[fapNumber(row.fap, where), 1]];
+  const pairs = Object.entries(object(row.drive, `${where}.drive`));
+  if (!pairs.length) throw new HeadError(`${where}.drive names no FAP`);
+  return pairs.map(([fap, coefficient]) => [fapNumber(Number(fap), where), number(coefficient, `${where}.drive`)]);
+}
+
+/** A low-level FAP. */
+function fapNumber(value: unknown, where: string): number {
+  return natural(value, where, 68, 3);
+}
+
+function sizeOf(value: unknown): [number, number] {
+  const [width, height] = numbers(value, "mouth.size", 2);
+  return [positive(width, "mouth.size"), positive(height, "mouth.size")];
 }

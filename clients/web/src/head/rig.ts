@@ -46,8 +46,8 @@ export function bonesOf(nodes: readonly Node[], given: ReadonlyMap<string, numbe
   return found;
 }
 
-/** Nodes and everything that hangs on them. */
-export function below(nodes: readonly Node[], top: number): Set<number> {
+/** A node and everything that hangs on it. */
+export function subtree(nodes: readonly Node[], top: number): Set<number> {
   const found = new Set([top]);
   nodes.forEach((_, i) => {
     const trail = [];

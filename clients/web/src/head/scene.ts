@@ -1,6 +1,6 @@
 /** The meshes of any glTF scene as they stand at rest: transforms, skins and quantisation worked in. */
 
-import { below, Document, list, natural, number, numbers, object, UNSIGNED, WIDTHS, type Json, type Numbers } from "./document";
+import { below, Document, list, MAX_SIZE, natural, number, numbers, object, UNSIGNED, WIDTHS, type Json, type Numbers } from "./document";
 import { HeadError, type Material, type Picture } from "./model";
 
 /** 4x4, column by column. */
@@ -10,9 +10,8 @@ const MAX_NODES = 1 << 12;
 const MAX_MESHES = 256;
 const MAX_TARGETS = 1024;
 const MAX_JOINTS = 1024;
-/** Vertices of one primitive, and how far away they may be. */
+/** Vertices of one primitive. */
 const MAX_SURFACE = 1 << 18;
-const MAX_SIZE = 1e8;
 const ANY = [5120, 5121, 5122, 5123, 5126];
 const READABLE = ["KHR_mesh_quantization", "KHR_texture_", "KHR_materials_", "VRM", "EXT_texture_webp"];
 const SCALE: Record<number, number> = { 5120: 127, 5121: 255, 5122: 32767, 5123: 65535 };
@@ -54,7 +53,8 @@ export class Scene extends Document {
   constructor({ document, binary }: { document: Json; binary: Uint8Array }) {
     super(document, binary);
     for (const name of list(document.extensionsRequired ?? [], "extensionsRequired")) {
-      if (!READABLE.some((start) => String(name).startsWith(start))) throw new HeadError(`${String(name)} is not read here; export the model without it`);
+      if (READABLE.some((start) => String(name).startsWith(start))) continue;
+      throw new HeadError(`${String(name)} is not read here; export the model without it`);
     }
     this.nodes = this.readNodes();
   }
@@ -204,7 +204,6 @@ export class Scene extends Document {
     const most = row.normalized === true ? SCALE[row.componentType as number] : undefined;
     const out = Float64Array.from(values);
     if (most) for (let i = 0; i < out.length; i++) out[i] = Math.max(out[i] / most, -1);
-    if (out.some((x) => Math.abs(x) > MAX_SIZE)) throw new HeadError(`${where} has values beyond ${MAX_SIZE}`);
     return out;
   }
 
@@ -212,7 +211,10 @@ export class Scene extends Document {
   private readNodes(): Node[] {
     const rows = list(this.document.nodes, "nodes").map((row, i) => object(row, `nodes[${i}]`));
     if (rows.length > MAX_NODES) throw new HeadError(`nodes are more than ${MAX_NODES}`);
-    const children = rows.map((row, i) => list(row.children ?? [], `nodes[${i}].children`).map((c) => natural(c, `nodes[${i}].children`, rows.length - 1)));
+    const children = rows.map((row, i) => {
+      const where = `nodes[${i}].children`;
+      return list(row.children ?? [], where).map((child) => natural(child, where, rows.length - 1));
+    });
     const parents = new Int32Array(rows.length).fill(-1);
     children.forEach((list, i) => list.forEach((child) => {
       if (parents[child] >= 0) throw new HeadError(`nodes[${child}] is a child of two nodes`);
@@ -298,7 +300,11 @@ function cofactors(matrices: Float64Array): { turned: Float64Array; mirrored: bo
   let mirrored = 0;
   for (let at = 0; at < matrices.length; at += 16) {
     const [a, b, c, , d, e, f, , g, h, k] = matrices.subarray(at, at + 11);
-    const rows = [e * k - f * h, f * g - d * k, d * h - e * g, 0, c * h - b * k, a * k - c * g, b * g - a * h, 0, b * f - c * e, c * d - a * f, a * e - b * d];
+    const rows = [
+      e * k - f * h, f * g - d * k, d * h - e * g, 0,
+      c * h - b * k, a * k - c * g, b * g - a * h, 0,
+      b * f - c * e, c * d - a * f, a * e - b * d,
+    ];
     const size = a * rows[0] + b * rows[1] + c * rows[2];
     if (!(Math.abs(size) > 1e-15)) throw new HeadError("a node flattens its mesh to nothing");
     mirrored += Math.sign(size);

@@ -69,7 +69,7 @@ class Hub {
 let hub: Hub | null = null;
 
 /** What the environment lacks, or "" if sound is possible. */
-export function soundProblem(): string {
+function soundProblem(): string {
   if (!globalThis.isSecureContext) {
     return "No sound: this page is not a secure context. Open it over https, or from localhost.";
   }

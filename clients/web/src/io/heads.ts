@@ -24,7 +24,12 @@ async function fetchHead(url: string): Promise<Head> {
   }
   if (!response.ok) throw new HeadError(`${url}: HTTP ${response.status}`);
   const name = url.split(/[?#]/)[0].split("/").at(-1)!.replace(/\.\w+$/, "");
-  const { head, warnings } = readAnyHead(new Uint8Array(await response.arrayBuffer()), name);
-  for (const warning of warnings) console.warn(`fap-head: ${warning}`);
-  return head;
+  const data = new Uint8Array(await response.arrayBuffer());
+  try {
+    const { head, warnings } = readAnyHead(data, name);
+    for (const warning of warnings) console.warn(`fap-head: ${warning}`);
+    return head;
+  } catch (e) {
+    throw e instanceof HeadError ? new HeadError(`${url}: ${e.message}`) : e;
+  }
 }

@@ -66,4 +66,3 @@ export class Face {
     for (const [fap, shut] of LIDS) this.values[fap] = Math.min(this.values[fap], shut);
   }
 }
-

@@ -22,13 +22,12 @@ const HEAD = 30;
 /** The lids and where they meet. */
 export const LIDS = Object.entries(blink.shut).map(([fap, shut]) => [Number(fap), shut] as const);
 const [PITCH, YAW, ROLL] = [head.pitch.fap, head.yaw.fap, head.roll.fap];
-const EYES = [23, 24, 25, 26];
 const RADIAN = Math.PI / 180;
 
 /** The FAPs that idle life moves: lids, head, eyes. */
 export const LID_FAPS = LIDS.map(([fap]) => fap);
 export const HEAD_FAPS = [PITCH, YAW, ROLL];
-export const EYE_FAPS = EYES;
+export const EYE_FAPS = [23, 24, 25, 26];
 export const IDLE_FAPS = [...LID_FAPS, ...HEAD_FAPS, ...EYE_FAPS];
 
 type Pair = readonly [yaw: number, pitch: number];
@@ -69,7 +68,7 @@ export class IdleLife {
     const pitch = down + gaze.viewer.pitch_rad - out[PITCH] * AU;
     const near = 1 / gaze.viewer.distance_m;
     const inward = gaze.half_eyes_m * (near + (1 / gaze.far_m - near) * slow);
-    [yaw - inward, yaw + inward, pitch, pitch].forEach((angle, i) => (out[EYES[i]] = angle / AU));
+    [yaw - inward, yaw + inward, pitch, pitch].forEach((angle, i) => (out[EYE_FAPS[i]] = angle / AU));
     const closed = this.shut(t);
     LIDS.forEach(([fap, shut], i) => {
       const open = pitch * (i < 2 ? gaze.lids.upper : gaze.lids.lower);

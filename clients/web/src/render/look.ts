@@ -8,11 +8,12 @@ type Settings = Record<string, Setting | undefined>;
 
 export { look };
 
-/** Settings of the part `name`, as text to be put after `#define NAME `. */
+/** Settings of the part `name`, as text to be put after `#define NAME `; what is false is left out. */
 export function definesFor(name: string): Record<string, string> {
   const finish = look.finishes.find(({ parts }) => startsOneOf(name, parts))!;
   const settings: Settings = { ...look.defines, ...finish.defines };
-  return Object.fromEntries(Object.entries(settings).map(([key, value]) => [key, glsl(value!)]));
+  const chosen = Object.entries(settings).filter(([, value]) => value !== undefined && value !== false);
+  return Object.fromEntries(chosen.map(([key, value]) => [key, glsl(value as number | readonly number[] | true)]));
 }
 
 /** What is drawn first hides what lies under it; what may be transparent comes last. */
@@ -30,7 +31,7 @@ function startsOneOf(name: string, starts: readonly string[]): boolean {
   return starts.some((start) => name.startsWith(start));
 }
 
-function glsl(value: Setting): string {
-  if (typeof value === "boolean") return value ? "1" : "0";
-  return typeof value === "number" ? value.toFixed(5) : `vec3(${value.map((x) => x.toFixed(5)).join(", ")})`;
+function glsl(value: number | readonly number[] | true): string {
+  if (value === true) return "1";
+  return typeof value === "number" ? value.toFixed(5) : `vec${value.length}(${value.map((x) => x.toFixed(5)).join(", ")})`;
 }

@@ -1,4 +1,4 @@
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { Deformer } from "../../src/head/deform";
 import { readAnyHead } from "../../src/head/foreign";
@@ -135,6 +135,12 @@ describe("readAnyHead", () => {
       }));
     }
   });
+});
+
+const corpus = new URL("../../../../tests/unit/head/corpus/", import.meta.url);
+
+it.each(readdirSync(corpus))("refuses %s, as Python does", (name) => {
+  expect(() => readAnyHead(new Uint8Array(readFileSync(new URL(name, corpus))))).toThrow(HeadError);
 });
 
 function harmless(data: Uint8Array): void {

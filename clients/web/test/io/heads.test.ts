@@ -28,3 +28,8 @@ it.each([
   await expect(loadHead(url)).rejects.toThrow(HeadError);
   expect((await loadHead(url)).name).toBe("small");
 });
+
+it("names the file in what is wrong with it", async () => {
+  serve(() => new Response(smallHead().slice(0, 400) as Uint8Array<ArrayBuffer>));
+  await expect(loadHead("http://x/cut.glb")).rejects.toThrow(/^http:\/\/x\/cut\.glb: GLB header says version 2, \d+ bytes; there are 400$/);
+});
