@@ -1,7 +1,7 @@
 """Draws the feature points of a head, with their names, over pictures of it.
 
 python tools/fdp_chart.py --head fapstream/assets/heads/generic.glb --out charts
-writes front.png, profile.png, back.png, mouth.png, eyes.png, nose.png, ear.png, articulators.png and all.png.
+writes one picture a panel, front.png and so on, and all.png.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ NOSE = _group(9, "1 2 3 4 5 6 7 12 13 14 15")
 LIPS = _group(2, "2 3 4 5 6 7 8 9") + _group(8, "1 2 3 4 5 6 7 8 9 10")
 JAW = _group(2, "1 10 11 12 13 14")
 EARS = _group(10, "1 3 5 7 9")
+RIGHT_EAR = _group(10, "2 4 6 8 10")
 INSIDE = _group(6, "1 2 3 4") + _group(9, "8 9 10 11")
 PANELS = {
     "front": Panel(
@@ -59,7 +60,8 @@ PANELS = {
     "mouth": Panel(LIPS, ("8.1", "8.2"), 4.6),
     "eyes": Panel(EYES, ("3.5", "3.6"), 2.9),
     "nose": Panel(NOSE, ("9.3", "9.12"), 4.2, 0.0, -12.0),
-    "ear": Panel(EARS, ("10.1", "10.5"), 4.0, 75.0),
+    "left-ear": Panel(EARS, ("10.1", "10.5"), 4.0, 75.0),
+    "right-ear": Panel(RIGHT_EAR, ("10.2", "10.6"), 4.0, -75.0),
     "articulators": Panel(INSIDE, ("9.10", "6.2"), 4.6, 25.0, 18.0, ARTICULATORS),
 }  # fmt: skip
 
@@ -75,16 +77,18 @@ def chart(head: Head, renderer: Renderer, panel: Panel) -> Picture.Image:
 
 
 def charts(head: Head, size: int = 640) -> dict[str, Picture.Image]:
-    """The picture of every panel, by its name."""
+    """The picture of every panel, by its name. Every point that the head has is on one of them."""
+    forgotten = set(head.fdp) - {name for panel in PANELS.values() for name in panel.names}
+    assert not forgotten, f"on no panel: {sorted(forgotten)}"
     renderer = Renderer(head, size)
     return {name: chart(head, renderer, panel) for name, panel in PANELS.items()}
 
 
 def sheet(head: Head, size: int = 640) -> Picture.Image:
     """All panels on one picture."""
-    whole = Picture.new("RGB", (4 * size, 2 * size))
+    whole = Picture.new("RGB", (3 * size, 3 * size))
     for number, picture in enumerate(charts(head, size).values()):
-        whole.paste(picture, (number % 4 * size, number // 4 * size))
+        whole.paste(picture, (number % 3 * size, number // 3 * size))
     return whole
 
 
