@@ -181,6 +181,34 @@ def page(pictures: Sequence[tuple[str, str, str]]) -> str:
     return f"<!doctype html><meta charset='utf-8'><title>Gallery</title><style>{style}</style>{rows}\n"
 
 
+def portraits(shots: Sequence[tuple[str, Shot]], tile: int) -> Image.Image:
+    """A row of heads by name, each with one picture of its own and the label below."""
+    row = Image.new("RGB", (len(shots) * tile, tile + LABEL_PX), "white")
+    for k, (name, shot) in enumerate(shots):
+        gallery = Gallery(*load(name), tile)
+        row.paste(gallery.sheet([shot], 1), (k * tile, 0))
+        gallery.studio.close()
+    return row
+
+
+def for_readme(folder: Path) -> None:
+    """The three pictures that README.md shows."""
+    close = View(yaw=12.0, zoom=1.4)
+    cast = ("mei", "vera", "kofi", "generic", "vera", "mei")
+    people = [
+        ("generic", Shot("generic", still())),
+        ("mei", Shot("mei", 0.6 * expressions()["joy"], View(yaw=-20.0))),
+        ("kofi", Shot("kofi", 0.8 * visemes()[WIDE_OPEN], View(yaw=20.0))),
+        ("vera", Shot("vera", still(), View(yaw=-15.0))),
+    ]
+    felt = [
+        (head, Shot(name, expressions()[name], close)) for head, name in zip(cast, EXPRESSIONS, strict=True)
+    ]
+    portraits(people, 400).save(folder / "people.jpg", quality=86)
+    portraits(felt, 260).save(folder / "expressions.jpg", quality=86)
+    fdp_chart.sheet(load("generic")[1], 420).save(folder / "points.jpg", quality=84)
+
+
 def load(wish: str) -> tuple[str, Head]:
     """A packaged head by name, or a file."""
     packaged = packaged_heads()
@@ -196,7 +224,12 @@ def main() -> None:
     )
     parser.add_argument("--head", action="append", metavar="NAME|F.glb", help="default: all in the package")
     parser.add_argument("--tile", type=int, default=240, help="size of a small picture in pixels")
+    parser.add_argument(
+        "--readme", type=Path, metavar="DIR", help="write only the pictures of README.md there"
+    )
     options = parser.parse_args()
+    if options.readme:
+        return for_readme(options.readme)
     options.out.mkdir(parents=True, exist_ok=True)
     rows, shown = spoken(SENTENCE), []
     for k, wish in enumerate(options.head or packaged_heads()):
