@@ -41,6 +41,8 @@ WIDE_OPEN = 10
 """The viseme that lets the tongue be seen."""
 WITH_JAW = {5: -1.3, 10: -1.1, 11: -1.1, 52: -1.25, 57: -0.9, 58: -0.9}
 """How the lower lip goes with FAP 3 (protocol/HEAD.md)."""
+CORNERS = {6: 53, 7: 54, 12: 59, 13: 60, 53: 6, 54: 7, 59: 12, 60: 13}
+"""The inner corners of the lips and the outer ones go together."""
 JAW_FROM = -500
 """Below this it does not go alone."""
 VISEME_PHONES = (
@@ -132,9 +134,11 @@ class Gallery:
 
 
 def company(row: Fap, value: float) -> np.ndarray:
-    """FAPs (68,) without which this one is never seen: the tongue in an open mouth, a low lip and jaw."""
+    """FAPs (68,) without which this one is never seen: an open mouth, the jaw, the corner's twin."""
     if row.group == 6:
         return visemes()[WIDE_OPEN]
+    if row.fap in CORNERS:
+        return still({CORNERS[row.fap]: value})
     if row.fap not in WITH_JAW or value > JAW_FROM:
         return still()
     jaw = value / WITH_JAW[row.fap]

@@ -15,7 +15,7 @@ SHEETS = {
     "generic-speaking.png": 12,
     "generic-visemes.png": 14,
     "generic-expressions.png": 12,
-    "generic-every-fap-at-its-limits.png": 120,
+    "generic-every-fap-at-its-limits.png": 110,
     "generic-feature-points.png": 9,
 }
 """File, and how many pictures are on it at least."""
