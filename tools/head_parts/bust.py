@@ -31,6 +31,7 @@ LIP_SEAL = {(468, 494): 0.6, (474, 493): 0.9, (520, 523): 1.0, (537, 540): 0.8, 
 """Edge loops of the lips, and how far each follows when they are closed."""
 LIP_CONTACT, LIP_OVERLAP = LIP_INNER, 0.002
 NOSE_TIP, PALATE = 294, 639
+LIP_DENSITY = 2
 MARGIN_RING = 2
 """Edge loops from the rim of the socket's chart to the visible margin of the lids."""
 LID_CHART = {"l": (0.14, 0.44), "r": (-0.44, -0.14)}
@@ -58,6 +59,8 @@ class Bust:
     eyes: dict[str, Eye]
     charts: Ints
     """Per coarse quad: 0 face and neck, 1 mouth lining, 2 eye sockets, 3 torso."""
+    lip_density: int = LIP_DENSITY
+    """Into how many parts each stretch of a lip contour between two control points is cut."""
 
     def fine(self, values: Array) -> Array:
         """Per-base-vertex values to fine vertices."""

@@ -1,8 +1,8 @@
 """The triangles of the skin and of the mouth's lining, with lips as dense as wanted.
 
 The lips are a tube of edge loops about the mouth. Each loop is a closed smooth curve (a periodic cubic)
-through its own vertices, the control points, and `density` says into how many parts each stretch between two
-of them is cut (Reveret, Bailly and Badin 2000: 30 points, 144 quads, the density adjustable). New vertices
+through its own vertices, the control points, and `lip_density` says into how many parts each stretch between
+two of them is cut (Reveret, Bailly and Badin 2000: 30 points, 144 quads, the density adjustable). New vertices
 are linear in the control points, so every motion of these carries over to those by the same weights.
 """
 
@@ -20,16 +20,13 @@ from head_parts.assemble import Piece, seamed
 from head_parts.bust import Bust
 from head_parts.surface import Array, Ints, Rings, mixed_triangles, normals
 
-DENSITY = 2
 LAST_LOOP = 537
 """Vertex of the base mesh on the loop, behind where the lips meet, at which the skin ends."""
 
 
-def skin_piece(
-    name: str, bust: Bust, keep: np.ndarray, fine: np.ndarray, material: Material, density: int = DENSITY
-) -> Piece:
+def skin_piece(name: str, bust: Bust, keep: np.ndarray, fine: np.ndarray, material: Material) -> Piece:
     """The coarse quads to `keep` as a part, subdivided where `fine`, both bool (quads,); lips denser."""
-    loops = lip_loops(bust)
+    loops, density = lip_loops(bust), bust.lip_density
     lips = np.isin(bust.quads, loops).all(1) & keep & (density > 1)
     triangles = mixed_triangles(bust.quads, len(bust.control), keep & ~lips, fine)
     skin, count = bust.skin, len(bust.skin.points)
