@@ -2,7 +2,7 @@
 
 The lips are a tube of edge loops about the mouth. Each loop is a closed smooth curve (a periodic cubic)
 through its own vertices, the control points, and `lip_density` says into how many parts each stretch between
-two of them is cut (Reveret, Bailly and Badin 2000: 30 points, 144 quads, the density adjustable). New vertices
+two of them is cut (Reveret, Bailly, Badin 2000: 30 points, 144 quads, adjustable density). New vertices
 are linear in the control points, so every motion of these carries over to those by the same weights.
 """
 
