@@ -38,7 +38,7 @@ async () => {
   const draw = WebGL2RenderingContext.prototype.drawElements;
   let frames = new Set();
   WebGL2RenderingContext.prototype.drawElements = function (...a) {
-    if (this.canvas === canvas) frames.add(performance.now() >> 4);
+    if (this.canvas === canvas) frames.add(document.timeline.currentTime);
     return draw.apply(this, a);
   };
   const end = await head.speak("Nobody sees me now.", { lang: "en" }).finished;

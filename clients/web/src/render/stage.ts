@@ -17,7 +17,7 @@ import { materialFor, newShared, type Pictures } from "./studio";
 const BARE: Pictures = { map: null, normal: null };
 
 /** Where the processor has to draw, shadows follow a little late: they are two fifths of the triangles. */
-const SHADOW_EVERY = 4;
+export const SHADOW_EVERY = 4;
 
 export interface StageOptions {
   /** Smooth edges; null where the graphics card does it at no cost worth naming. */
