@@ -7,39 +7,61 @@ Sample 0 is the first PCM sample of the turn.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # text is read without numpy: loading it takes longer than loading the lexicon
+    import numpy as np
+    from numpy.typing import NDArray
 
-Pcm = NDArray[np.int16]
-"""Mono signed 16-bit samples, shape (n,)."""
+    Pcm = NDArray[np.int16]
+else:
+    Pcm = Any
+    """Mono signed 16-bit samples, shape (n,)."""
 
 N_FAPS = 68
 
 ExpressionName = Literal["joy", "sadness", "anger", "fear", "disgust", "surprise"]
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
+class Word(NamedTuple):
     """One spoken word and the characters it came from.
 
-    `start` and `end` are code-point offsets [start, end) into the whole text of the turn.
+    `start` and `end` are code-point offsets [start, end) into the whole text of the turn. `spoken`: the words
+    it is read as, in the spelling that the phonetiser gets; a tuple of phones where the reader gave them.
     """
 
     text: str
     start: int
     end: int
+    spoken: tuple[Spoken, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Phone:
+Spoken = str | tuple[str, ...]
+"""A word as the phonetiser gets it, or the phones themselves, vowels with stress digits."""
+
+
+class Note(NamedTuple):
+    """Something in the text that is not spoken and happens where the next phone begins.
+
+    `mark`: the name of an SSML mark. `warning`: mark-up that could not be understood and was read as text.
+    """
+
+    kind: Literal["mark", "warning"]
+    text: str
+    start: int
+    end: int
+
+
+class Phone(NamedTuple):
     """One phone as planned: language-level SAMPA name, wished duration and melody.
 
     `pitch` holds (position in percent of the duration, f0 in Hz), empty for the voice's default.
-    `word` indexes `Utterance.words`, or is -1 in a pause. `stress`: 0 none, 1 primary, 2 secondary.
-    A silent phone (`_`) may carry a facial expression, which begins with the pause and lasts, weaker, under
-    the phrase that follows.
+    `stress`: 0 none, 1 primary, 2 secondary. `word` indexes `Utterance.words`, or is -1 in a pause. A silent
+    phone (`_`) may carry a facial expression, which begins with the pause and lasts, weaker, under the phrase
+    that follows. `gain` multiplies the sound. `hold`: the phone is there only because the text had run dry.
+
+    A named tuple and not a dataclass, like Word: thousands are made a second, and it is made four times as
+    fast.
     """
 
     name: str
@@ -48,6 +70,9 @@ class Phone:
     stress: int = 0
     word: int = -1
     expression: ExpressionName | None = None
+    gain: float = 1.0
+    notes: tuple[Note, ...] = ()
+    hold: bool = False
 
 
 SILENCE = "_"
@@ -138,10 +163,11 @@ class Mark:
     """Something that happens at a sample of the turn and lasts `duration` samples.
 
     kind `phone`: `text` is its SAMPA name. `word`: as written. `caption`: the text of a phrase.
-    `expression`: its name. Character offsets [start, end) are code points of the turn's text.
+    `expression`: its name. `mark` and `warning`: see Note. Character offsets [start, end) are code points of
+    the turn's text.
     """
 
-    kind: Literal["phone", "word", "caption", "expression"]
+    kind: Literal["phone", "word", "caption", "expression", "mark", "warning"]
     sample: int
     duration: int
     text: str

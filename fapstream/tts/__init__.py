@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from fapstream.tts import espeak_map, pho
 from fapstream.tts.frontend import FrontEnd
+from fapstream.tts.manner import DEFAULT_LOOK_AHEAD, PHRASE, Manner, read_lexicon, read_profile
 from fapstream.tts.pho import Realiser
 from fapstream.tts.realise import VoicePhone, lengths, realise
 from fapstream.tts.tables import LANGUAGES, PhoneInfo, phone_set
 from fapstream.tts.voices import Voice, default_voice, voice, voices
 
 __all__ = [
+    "DEFAULT_LOOK_AHEAD",
     "LANGUAGES",
+    "PHRASE",
     "FrontEnd",
+    "Manner",
     "PhoneInfo",
     "Realiser",
     "Voice",
@@ -21,6 +25,8 @@ __all__ = [
     "lengths",
     "pho",
     "phone_set",
+    "read_lexicon",
+    "read_profile",
     "realise",
     "voice",
     "voices",

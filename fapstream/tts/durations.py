@@ -2,109 +2,90 @@
 
 After D. Klatt, "Synthesis by rule of segmental durations in English sentences" (1979):
 duration = minimum + (mean - minimum) * product of the factors of all rules that apply. The rules: stress,
-place in word and phrase (lengthening before a pause), number of syllables of the word, consonant clusters,
-what follows a vowel. The factors are data, one set a language (`data/prosody.toml`).
+place in syllable, word and phrase (lengthening before a pause), number of syllables of the word, consonant
+clusters, what follows a vowel, emphasis. The paper on the FPD-based talking head (section 4.1) asks the same
+of Greek: the vowel under the accent mark longer, phones shorter as the word has more syllables. The factors
+are data, one set a language (`data/prosody.toml`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from fapstream.tts.tables import PhoneInfo, phone_set
+from fapstream.tts.sounds import Sound, onsets
 
-
-@dataclass(slots=True)
-class Segment:
-    """A phone of a phrase while its rhythm and melody are being worked out.
-
-    `word`: index of the spoken word within the phrase; `n_syllables`: of that word.
-    """
-
-    info: PhoneInfo
-    stress: int
-    word: int
-    n_syllables: int
-    is_function: bool
-    initial: bool
-    is_vowel: bool
-    ms: float = 0.0
+MAX_COUNTED_SYLLABLES = 12
+LEAST = 0.8
+"""No phone becomes shorter than this share of its minimum at rate 1."""
 
 
 class DurationModel:
-    """Fills in `Segment.ms` for a phrase of one language."""
+    """Durations of the phones of one word. Its neighbours do not matter, so a word can be timed as soon as it
+    is known whether a pause follows."""
 
     def __init__(self, lang: str, factors: Mapping[str, Any]) -> None:
         """`factors`: the language's table of prosody.toml."""
-        self._tokens = {
-            name + digit: (info, int(digit or "0"), info.kind == "vowel")
-            for name, info in phone_set(lang).items()
-            for digit in (("0", "1", "2") if info.kind == "vowel" else ("",))
-        }
         self._f = factors
-        self._vowel = factors["vowel"]
+        self._onsets = onsets(lang)
+        vowel = factors["vowel"]
+        by_stress = (vowel["unstressed"], vowel["stressed"], vowel["secondary"])
+        self._stress = (by_stress, tuple(v * factors["function_word"] for v in by_stress))
+        self._syllables = [
+            max(1.0 - factors["polysyllabic"] * (n - 1), factors["polysyllabic_floor"])
+            for n in range(MAX_COUNTED_SYLLABLES + 1)
+        ]
 
-    def segments(self, words: Sequence[tuple[str, ...]], functions: Sequence[bool]) -> list[Segment]:
-        """Phones of spoken words (vowels with stress digits) as segments without durations yet."""
-        out: list[Segment] = []
-        for word, tokens in enumerate(words):
-            known = [self._tokens[token] for token in tokens]
-            n = sum([vowel for _, _, vowel in known])
-            function, initial = functions[word], True
-            for info, stress, vowel in known:
-                out.append(Segment(info, stress, word, n, function, initial, vowel))
-                initial = False
-        return out
-
-    def assign(self, segments: Sequence[Segment], rate: float, final: bool) -> None:
-        """Sets every `ms`. `final`: a pause follows, so the last syllable is lengthened."""
-        last_vowel = max((i for i, s in enumerate(segments) if s.is_vowel), default=-1)
-        stress = 0
-        for i in range(len(segments) - 1, -1, -1):
-            segment = segments[i]
-            following = segments[i + 1] if i + 1 < len(segments) else None
-            if segment.is_vowel:
-                stress = segment.stress
-                factor = self._vowel_factor(segment, following)
-            else:
-                before = segments[i - 1] if i else None
-                factor = self._consonant_factor(segment, before, following, stress)
-            if final and i >= last_vowel - 1:
-                factor *= self._final_factor(segment, i - last_vowel)
-            least = segment.info.min_ms
-            segment.ms = max(least + (segment.info.mean_ms - least) * factor, 0.8 * least) / rate
-
-    def _vowel_factor(self, segment: Segment, following: Segment | None) -> float:
+    def word(self, sounds: Sequence[Sound], n_vowels: int, function: bool, final: bool) -> list[float]:
+        """Milliseconds at rate 1, one per phone. `final`: a pause follows the word."""
         f = self._f
-        kind = ("unstressed", "stressed", "secondary")[segment.stress]
-        factor: float = self._vowel[kind]
-        factor *= max(1.0 - f["polysyllabic"] * (segment.n_syllables - 1), f["polysyllabic_floor"])
-        if segment.is_function:
-            factor *= f["function_word"]
-        if following and following.word == segment.word and not following.is_vowel:
-            if not following.info.voiced:
-                factor *= f["before_voiceless"]
-            elif following.info.kind == "fricative":
-                factor *= f["before_voiced_fricative"]
-        return factor
+        by_stress = self._stress[function]
+        shortened = self._syllables[min(n_vowels, MAX_COUNTED_SYLLABLES)]
+        ms: list[float] = []
+        stress, vowels, onset = 0, 0, False
+        following: Sound | None = None
+        for i in range(len(sounds) - 1, -1, -1):
+            sound = sounds[i]
+            if sound.vowel:
+                stress, onset = sound.stress, True
+                factor = by_stress[stress] * shortened
+                if following is not None and not following.vowel:
+                    factor *= self._before(following)
+                if not vowels:
+                    factor *= f["final_vowel"] if final else f["word_final"] if n_vowels > 1 else 1.0
+                vowels += 1
+            else:
+                onset = onset and self._opens(sound, following)
+                factor = self._place(onset, stress, vowels if final else 2)
+                if following is not None and not following.vowel:
+                    factor *= f["cluster"]
+                if not i:
+                    factor *= f["word_initial"]
+                elif not sounds[i - 1].vowel:
+                    factor *= f["cluster"]
+            length = sound.min_ms + sound.span_ms * factor
+            ms.append(max(length, LEAST * sound.min_ms))
+            following = sound
+        ms.reverse()
+        return ms
 
-    def _consonant_factor(
-        self, segment: Segment, before: Segment | None, following: Segment | None, stress: int
-    ) -> float:
-        """`stress` is that of the vowel after this consonant."""
+    def _opens(self, sound: Sound, following: Sound | None) -> bool:
+        """Whether a consonant belongs to the syllable of the onset or vowel after it."""
+        return following is None or following.vowel or (sound.name, following.name) in self._onsets
+
+    def _place(self, onset: bool, stress: int, vowels: int) -> float:
+        """A consonant's factor by its place in the syllable and before a pause; `vowels`: how many follow
+        it."""
         f = self._f
         factor: float = f["consonant"] if stress == 1 else f["consonant"] * f["consonant_unstressed"]
-        if segment.initial:
-            factor *= f["word_initial"]
-        if before is not None and not before.is_vowel:
-            factor *= f["cluster"]
-        if following is not None and not following.is_vowel:
-            factor *= f["cluster"]
+        if not onset:
+            factor *= f["coda"]
+        if vowels < 2:
+            factor *= f["final_consonant"] if not vowels else f["prefinal"] if onset else 1.0
         return factor
 
-    def _final_factor(self, segment: Segment, place: int) -> float:
-        """`place`: -1 just before the last vowel, 0 the vowel itself, more after it."""
-        rule = "prefinal" if place < 0 else "final_vowel" if place == 0 else "final_consonant"
-        factor: float = self._f[rule]
-        return factor
+    def _before(self, consonant: Sound) -> float:
+        """What a consonant does to the vowel before it (Klatt's rule 9)."""
+        if not consonant.voiced:
+            return float(self._f["before_voiceless"])
+        return float(self._f["before_voiced_fricative"]) if consonant.kind == "fricative" else 1.0

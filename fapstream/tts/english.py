@@ -47,6 +47,12 @@ class English:
             found[-1] = self.word(words[-1])
         return found
 
+    def needs_next(self, word: str) -> bool:
+        return word in self._weak or word in self._before_vowel
+
+    def path(self, word: str) -> str:
+        return "lexicon"
+
     def word(self, word: str) -> Tokens:
         """One word by itself. Characters other than a-z and the apostrophe are ignored."""
         return (

@@ -2,165 +2,215 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from itertools import groupby
 
-from fapstream.records import SILENCE, Phone, Utterance, Word
-from fapstream.tts.durations import Segment
-from fapstream.tts.language import Stop, language
-from fapstream.tts.melody import MelodyState, share
+from fapstream.records import SILENCE, Note, Phone, Spoken, Utterance, Word
+from fapstream.tts import prosody as prosodies
+from fapstream.tts.language import language
+from fapstream.tts.manner import Manner
 from fapstream.tts.normalise import Item
-from fapstream.tts.segment import NewLine, Scanner, Token, core, ends_before
+from fapstream.tts.plan import PlannedWord, Planner
+from fapstream.tts.pronounce import LEFT
+from fapstream.tts.reader import Event, Pause, Reader
+from fapstream.tts.segment import UNDECIDED, WRAPPED, NewLine, Token, ends_before
 
-LEAD_MS = 15.0
-"""Silence before the first phone of a turn."""
-
-MAX_PENDING, MIN_PIECE = 20, 12
-"""A phrase this many words long is spoken without waiting for its end, cut after at least MIN_PIECE words."""
-
-MAX_PENDING_CHARACTERS = 400
-"""So is one with this many characters, whatever they are."""
-
-MIN_PAUSE_MS = 100.0
+MAX_TOKENS = 24
+"""Tokens are read on at the latest when so many wait."""
+PARAGRAPH_MS = 250.0
+"""A blank line adds so much to the pause."""
 
 
 class FrontEnd:
     """Reads one turn. Fragments of any size give the same phones as the whole text at once.
 
     Pure and synchronous: every method returns the utterances that can no longer change. Only `hold` depends
-    on when it is called.
+    on when it is called, and all it does is to insert phones marked as `hold`.
     """
 
-    def __init__(self, lang: str, rate: float = 1.0, f0_hz: float = 120.0) -> None:
-        """`rate`: 2.0 is twice as fast; `f0_hz`: the voice's middle pitch. Raises UnknownLanguage."""
+    def __init__(self, lang: str, manner: Manner | None = None) -> None:
+        """Raises UnknownLanguage, DataError."""
+        self._manner = manner = manner or Manner()
         self._language = language(lang)
-        self._rate = min(max(rate, 0.2), 5.0)
-        self._f0_hz = f0_hz
-        self._scanner = Scanner()
+        plain = not (manner.prosody or manner.means)
+        prosody = prosodies.standard(lang) if plain else _prosody(lang, manner)
+        self._sounds = prosody.sounds
+        self._planner = Planner(lang, prosody, manner)
+        self._reader = Reader(lambda name: language(name).segmenter, lang, self._language.say_as)
         self._tokens: list[Token] = []
-        self._words = self._size = 0
         self._undecided = ""
-        self._melody = MelodyState()
-        self._open = False
-        self._silent_so_far = True
-        self._asks_with_word = False
+        """A phrase end that the next token decides."""
+        self._spoken: list[tuple[Spoken, Item]] = []
+        """Words whose phones wait for the word after them."""
+        self._context: list[Spoken] = []
+        """The last LEFT words before those."""
+        self._opening: list[Spoken] = []
+        """The first words of the phrase."""
+        self._before = ""
+        self._blank_lines = 0
+        self._said = False
+        """Something has been said since the last blank line."""
+        self._out: list[Utterance] = []
 
     @property
     def pending_words(self) -> int:
-        """How many complete words wait for their phrase to end."""
-        return self._words
+        """How many words wait for what follows them: complete tokens, and words not yet committed."""
+        return sum(map(_is_word, self._tokens)) + len(self._spoken) + self._planner.pending
+
+    @property
+    def speaking(self) -> bool:
+        """A phrase has begun to be spoken and waits for more text; `hold` would fill the gap."""
+        return self._planner.speaking
 
     def feed(self, text: str) -> list[Utterance]:
-        """Takes the next characters of the turn; returns the phrases that they complete."""
-        out: list[Utterance] = []
-        for event in self._scanner.feed(text):
-            if isinstance(event, NewLine):
-                self._close("line", out)
-            else:
-                self._run(*event, out)
-        return out
+        """Takes the next characters of the turn; returns what they complete."""
+        for event in self._reader.feed(text):
+            self._take(event)
+        if self._tokens:
+            self._advance(False)
+        return self._utterances()
 
     def hold(self) -> list[Utterance]:
-        """The text has stalled: the complete words now, as an open utterance; [] if there are none."""
-        if not self._words:
-            return []
-        return self._commit(self._take(len(self._tokens)), "open")
+        """The text has stalled: the last sound drawn out and a pause, if a phrase is being spoken."""
+        self._planner.hold()
+        return self._planner.take()
 
     def end(self) -> list[Utterance]:
         """The text is over: everything left. The last utterance of a turn that spoke is closed."""
-        out: list[Utterance] = []
-        for event in self._scanner.end():
-            self._run(*event, out)
-        self._close("sentence", out)
-        return out
+        for event in self._reader.end():
+            self._take(event)
+        self._close("sentence")
+        self._planner.finish()
+        return self._utterances()
 
-    def _run(self, run: str, start: int, out: list[Utterance]) -> None:
-        for token in self._language.segmenter.tokens(run, start):
-            if ends_before(self._undecided, token.text):
-                self._close("sentence", out)
-            self._undecided = token.stop
-            if token.expression:
-                self._close("smiley", out)
-                out.append(self._smiley(token))
-                continue
+    def discard(self) -> None:
+        """Forgets the words that are not committed; what is fed next goes on after those that are."""
+        self._tokens.clear()
+        self._spoken.clear()
+        self._planner.discard()
+        self._undecided = ""
+
+    def path(self, word: Word) -> str:
+        """How each of a word's spoken words got its phones: user, letter, lexicon, stem, compound, tree,
+        rule."""
+        own = word.text.lower() in self._manner.lexicon
+        paths = dict.fromkeys("user" if own else self._language.pronounce.path(s) for s in word.spoken)
+        return "+".join(paths)
+
+    def _utterances(self) -> list[Utterance]:
+        out, self._out = self._out, []
+        return out + self._planner.take()
+
+    # what the reader finds
+
+    def _take(self, event: Event) -> None:
+        if isinstance(event, Token):
+            self._token(event)
+        elif isinstance(event, NewLine):
+            self._line(event)
+        elif isinstance(event, Note):
+            self._planner.note(event)
+        else:
+            self._pause(event)
+
+    def _token(self, token: Token) -> None:
+        self._blank_lines = 0
+        self._said = True
+        if self._undecided:
+            undecided, self._undecided = self._undecided, ""
+            if ends_before(undecided, token.text):
+                self._close(UNDECIDED[undecided])
+        stop = token.stop
+        if not stop:
             self._tokens.append(token)
-            self._words += _is_word(token)
-            self._size += len(token.text)
-            if token.stop in self._language.stops:
-                self._close(token.stop, out)
-            elif self._words >= MAX_PENDING or self._size >= MAX_PENDING_CHARACTERS:
-                out += self._commit(self._take(self._cut()), "open")
+            if len(self._tokens) >= MAX_TOKENS:
+                self._advance(False)
+        elif stop in UNDECIDED:
+            self._tokens.append(token._replace(stop=""))
+            self._undecided = stop
+        elif token.expression:
+            self._close("smiley")
+            self._planner.express(Phone(SILENCE, token.silence_ms, expression=token.expression))
+            self._out += self._planner.take()
+        else:
+            self._tokens.append(token)
+            self._close(stop)
 
-    def _close(self, kind: str, out: list[Utterance]) -> None:
-        if self._tokens or self._open:
-            out += self._commit(self._take(len(self._tokens)), kind)
+    def _line(self, line: NewLine) -> None:
+        if line.length == 1:
+            self._blank_lines += 1
+            self._close("paragraph")
+            if self._blank_lines == 1 and self._said:
+                self._pause(Pause("paragraph", PARAGRAPH_MS))
+        elif line.length >= WRAPPED and not self._undecided:
+            self._undecided = "wrapped"
+        else:
+            self._close("line")
 
-    def _take(self, count: int) -> list[Token]:
-        taken, self._tokens = self._tokens[:count], self._tokens[count:]
-        self._words = sum(_is_word(t) for t in self._tokens)
-        self._size = sum(len(t.text) for t in self._tokens)
-        return taken
+    def _pause(self, pause: Pause) -> None:
+        self._undecided = ""
+        self._advance(True)
+        self._planner.close(pause.kind, pause.ms)
+        self._end_phrase()
 
-    def _cut(self) -> int:
-        """Where to cut a long phrase: before a late function word if there is one."""
-        for i in range(len(self._tokens) - 2, MIN_PIECE - 1, -1):
-            if core(self._tokens[i].text).lower() in self._language.cut_before:
-                return i
-        return len(self._tokens)
+    # from tokens to the planner
 
-    def _smiley(self, token: Token) -> Utterance:
-        self._silent_so_far = False
-        phone = Phone(SILENCE, token.silence_ms, expression=token.expression)
-        return Utterance(self._language.name, (phone,))
+    def _close(self, kind: str) -> None:
+        """The phrase ends, if there is one."""
+        self._undecided = ""
+        self._advance(True)
+        self._planner.close(kind)
+        self._end_phrase()
 
-    def _commit(self, tokens: Sequence[Token], kind: str) -> list[Utterance]:
-        """Speaks the tokens and ends the phrase as `kind` says."""
-        items = self._language.normalise(tokens)
-        phones = self._speak(items, self._stop(items, kind))
-        closing = kind != "open"
-        if not phones and not (closing and self._open):
-            return []
-        self._open = not closing
-        if closing:
-            stop = self._language.stops[kind]
-            phones.append(Phone(SILENCE, max(stop.pause_ms / self._rate, MIN_PAUSE_MS)))
-            self._restart(stop)
-        if self._silent_so_far:
-            phones.insert(0, Phone(SILENCE, LEAD_MS))
-            self._silent_so_far = False
-        words = tuple(Word(item.text, item.start, item.end) for item in items)
-        return [Utterance(self._language.name, tuple(phones), words, closed=closing)]
+    def _end_phrase(self) -> None:
+        self._out += self._planner.take()
+        self._context.clear()
+        self._opening.clear()
+        self._before = ""
 
-    def _stop(self, items: Iterable[Item], kind: str) -> Stop:
-        """The phrase end; a question is told by its first words, which may have been spoken already."""
-        if not self._open:
-            spoken = [word for item in items for word in item.spoken]
-            self._asks_with_word = self._language.asks_with_word(spoken)
-        if kind == "question" and self._asks_with_word:
-            kind = "word_question"
-        return self._language.stops[kind]
+    def _advance(self, closed: bool) -> None:
+        """Reads and pronounces what is certain, and hands it to the planner."""
+        for lang, run in groupby(list(self._tokens), lambda token: token.style.lang):
+            tokens = list(run)
+            last = len(tokens) == len(self._tokens)
+            normalise = (language(lang) if lang else self._language).normalise
+            taken = normalise.take(tokens, closed or not last, self._before, self._manner.lexicon)
+            del self._tokens[: taken.used]
+            for item in taken.items:
+                self._spoken += [(word, item) for word in item.spoken]
+                self._before = item.text.lower()
+            if taken.used < len(tokens):
+                break
+        if self._spoken:
+            self._pronounce(closed)
+        if not closed:
+            self._planner.advance()
 
-    def _restart(self, stop: Stop) -> None:
-        self._melody.elapsed_ms *= 1.0 - stop.reset
-        self._melody.f0 = None
-        self._melody.accents = 0
+    def _pronounce(self, closed: bool) -> None:
+        spoken, context, lang = self._spoken, self._context, self._language
+        words = [word for word, _ in spoken]
+        count = len(words)
+        if not closed and lang.pronounce.needs_next(words[-1]):
+            count -= 1
+        if not count:
+            return
+        phones = lang.pronounce([*context, *words], len(context))
+        self._opening += words[: 2 - len(self._opening)] if len(self._opening) < 2 else ()
+        table = self._sounds
+        planned = []
+        for k in range(count):
+            word, item = spoken[k]
+            whole = k + 1 == len(spoken) or spoken[k + 1][1] is not item
+            function = word in lang.function_words
+            sounds = [table[token] for token in phones[k]]
+            planned.append(PlannedWord(item, sounds, function, word in lang.cut_before, whole))
+        self._planner.add(planned, lang.asks_with_word(self._opening))
+        self._context = [*context, *words[:count]][-LEFT:]
+        del spoken[:count]
 
-    def _speak(self, items: Sequence[Item], stop: Stop) -> list[Phone]:
-        spoken = [word for item in items for word in item.spoken]
-        owner = [i for i, item in enumerate(items) for _ in item.spoken]
-        language = self._language
-        functions = [word in language.function_words for word in spoken]
-        segments = language.durations.segments(language.pronounce(spoken), functions)
-        if not segments:
-            return []
-        language.durations.assign(segments, self._rate, final=stop.tune != "open")
-        points = language.melody.contour(segments, stop.tune, self._melody)
-        pitch = share(points, segments, self._f0_hz)
-        return [_phone(s, p, owner[s.word]) for s, p in zip(segments, pitch, strict=True)]
+
+def _prosody(lang: str, manner: Manner) -> prosodies.Prosody:
+    return prosodies.prosody(lang, manner.prosody, manner.means.get(lang, {}))
 
 
 def _is_word(token: Token) -> bool:
-    return any(c.isalnum() for c in token.text)
-
-
-def _phone(segment: Segment, pitch: tuple[tuple[float, float], ...], word: int) -> Phone:
-    return Phone(segment.info.name, segment.ms, pitch, segment.stress, word)
+    return bool(token.word) or any(c.isalnum() for c in token.text)

@@ -37,6 +37,12 @@ class Greek:
             found[word].extend(match.output)
         return [self._stressed(w, tokens) for w, tokens in zip(plain, found, strict=True)]
 
+    def needs_next(self, word: str) -> bool:
+        return word[-1:] in "νσς"
+
+    def path(self, word: str) -> str:
+        return "letter" if word in self._letters else "rule"
+
     def word(self, word: str) -> Tokens:
         """One word by itself."""
         return self.phones([word])[0]

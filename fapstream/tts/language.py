@@ -1,28 +1,24 @@
-"""Everything one language needs, put together once: tables, words, pronunciation, rhythm and melody."""
+"""Everything one language needs to turn tokens into words and phones, put together once."""
 
 from __future__ import annotations
 
-import tomllib
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from fapstream.tts.durations import DurationModel
+from fapstream.records import Spoken
 from fapstream.tts.english import english
-from fapstream.tts.melody import MelodyModel
 from fapstream.tts.normalise import Normaliser
+from fapstream.tts.numerals import Numerals
+from fapstream.tts.patterns import Found, Patterns, Vocabulary
 from fapstream.tts.pronounce import Pronouncer
+from fapstream.tts.prosody import question_words
+from fapstream.tts.readers import Readers
+from fapstream.tts.say_as import SayAs
 from fapstream.tts.segment import Segmenter
-from fapstream.tts.tables import read_pairs, read_rows, read_text, require_language
-
-
-@dataclass(frozen=True, slots=True)
-class Stop:
-    """What a phrase end sounds like: pause, tune, and how far the declination starts again (0..1)."""
-
-    pause_ms: float
-    tune: str
-    reset: float
+from fapstream.tts.spelling import Speller
+from fapstream.tts.tables import read_rows, require_language
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +28,14 @@ class Language:
     name: str
     segmenter: Segmenter
     normalise: Normaliser
+    say_as: SayAs
     pronounce: Pronouncer
-    durations: DurationModel
-    melody: MelodyModel
-    stops: dict[str, Stop]
     function_words: frozenset[str]
     cut_before: frozenset[str]
     question_words: frozenset[str]
 
-    def asks_with_word(self, spoken: Sequence[str]) -> bool:
-        """Whether a question has a question word near its beginning, and so falls at its end."""
+    def asks_with_word(self, spoken: Sequence[Spoken]) -> bool:
+        """Whether a question has a question word near its beginning, and so does not rise at its end."""
         return any(word in self.question_words for word in spoken[:2])
 
 
@@ -49,21 +43,34 @@ class Language:
 def language(name: str) -> Language:
     """The one instance of a language. Raises UnknownLanguage, DataError."""
     require_language(name)
-    prosody = tomllib.loads(read_text("prosody.toml"))
     rows = [row for _, row in read_rows(f"{name}/function_words.tsv", 4)]
-    abbreviations = {row[0]: (row[1], row[2]) for _, row in read_rows(f"{name}/abbreviations.tsv", 3)}
+    vocabulary = Vocabulary(f"{name}/vocabulary.tsv")
+    speller = Speller(_is_english_word)
+    readers = Readers(Numerals(name), vocabulary, speller.words).table()
+    patterns = Patterns(f"{name}/patterns.tsv", vocabulary, readers)
+    normalise = Normaliser(vocabulary, patterns, speller)
+    segmenter = Segmenter(name, vocabulary.ends)
+
+    def read(reader: str, content: str) -> list[Spoken]:
+        if match := reader and re.fullmatch(r"(?P<text>.*)", content):
+            return list(readers[reader](Found(match, ""), "text", ""))
+        tokens = [t for i, run in enumerate(content.split()) for t in segmenter.tokens(run, i)]
+        return [word for item in normalise.take(tokens, True).items for word in item.spoken]
+
     return Language(
         name=name,
-        segmenter=Segmenter(name, abbreviations),
-        normalise=Normaliser(name, abbreviations, read_pairs(f"{name}/symbols.tsv"), _is_english_word),
+        segmenter=segmenter,
+        normalise=normalise,
+        say_as=SayAs(name, read),
         pronounce=Pronouncer(name),
-        durations=DurationModel(name, prosody["durations"][name]),
-        melody=MelodyModel(prosody["melody"], prosody["tunes"]),
-        stops={kind: Stop(**values) for kind, values in prosody["stops"].items()},
-        function_words=frozenset(row[0].replace("ς", "σ") for row in rows),
-        cut_before=frozenset(row[0] for row in rows if row[2] == "before"),
-        question_words=frozenset(prosody["question_words"][name]),
+        function_words=frozenset(_sigma(row[0]) for row in rows),
+        cut_before=frozenset(_sigma(row[0]) for row in rows if row[2] == "before"),
+        question_words=question_words(name),
     )
+
+
+def _sigma(word: str) -> str:
+    return word.replace("ς", "σ")
 
 
 def _is_english_word(word: str) -> bool:

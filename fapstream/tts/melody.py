@@ -1,8 +1,9 @@
-"""The pitch contour of a phrase: declination, accents on stressed syllables, and a tune at its end.
+"""The melody of a phrase, word by word: declination, accents on stressed syllables, and a tune at its end.
 
-The declination falls exponentially with the time since the phrase began and not with its length, so that a
-phrase can be spoken before its end is known; what comes later goes on where the melody stood. The final fall
-follows the paper on the FPD-based talking head, section 4.1 (60 Hz lower at the end), scaled by the voice.
+f0 is the voice's middle pitch + x * the width of its range, and the tables are in x. The declination falls
+exponentially with the time since the phrase began and not with its length, so that a word can be spoken
+before the phrase's end is known. The final fall follows the paper on the FPD-based talking head, section 4.1
+(the pitch reduced by 60 Hz at the end), scaled by the voice's range: 60 Hz are those of a range of 220 Hz.
 """
 
 from __future__ import annotations
@@ -11,128 +12,121 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fapstream.tts.durations import Segment
+from fapstream.tts.sounds import Sound
 
-Point = tuple[float, float]
+Pitch = tuple[tuple[float, float], ...]
+"""(percent of the phone's duration, Hz), ascending, the first at 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tune:
+    """How a phrase ends: height of its last accent above the declination, height reached in the middle of its
+    last vowel (0: none of its own), where it ends, and a factor on all its accents."""
+
+    accent: float
+    end: float
+    peak: float = 0.0
+    scale: float = 1.0
 
 
 @dataclass(slots=True)
 class MelodyState:
-    """Where the melody stands between two pieces of a phrase.
+    """Where the melody of a phrase stands between two words.
 
-    `elapsed_ms` is the age of the declination; `f0` the last value, as a factor on the voice's f0.
+    `elapsed_ms` is the age of the declination; `accents` counts them; `tail` is what is left of the last
+    accent for the phones that follow it; `focus`: an emphasised word has been, after which accents are small.
     """
 
     elapsed_ms: float = 0.0
-    f0: float | None = None
     accents: int = 0
+    tail: tuple[float, ...] = ()
+    focus: bool = False
+
+    def restart(self, reset: float) -> None:
+        """A phrase has ended; the declination starts again as far as `reset` (0..1) says."""
+        self.elapsed_ms *= 1.0 - reset
+        self.accents = 0
+        self.tail = ()
+        self.focus = False
 
 
 class MelodyModel:
-    """Breakpoints of f0, as factors on the voice's f0, for the segments of a phrase."""
+    """f0 of the phones of a phrase, word by word."""
 
-    def __init__(self, settings: Mapping[str, float], tunes: Mapping[str, Mapping[str, float]]) -> None:
-        self._s = settings
-        self._tunes = tunes
+    def __init__(self, settings: Mapping[str, float], tunes: Mapping[str, Tune]) -> None:
+        """`settings`: the table [melody] of prosody.toml; `tunes`: by the name that a phrase end has."""
+        self.tunes = tunes
+        self._top, self._floor, self._decay_ms = settings["top"], settings["floor"], settings["decay_ms"]
+        self._first, self._other = settings["first_accent"], settings["accent"]
+        self._focus, self._after_focus = settings["focus"], settings["after_focus"]
+        self._before, self._rise = settings["before_vowel"], settings["vowel_start"]
+        self._after, self._later = settings["after_vowel"], settings["later"]
 
-    def contour(self, segments: Sequence[Segment], tune: str, state: MelodyState) -> list[Point]:
-        """(ms since the piece began, factor), times ascending; moves `state` to the piece's end."""
-        spans = _spans(segments)
-        end = spans[-1][1] if spans else 0.0
-        accents = [i for i, s in enumerate(segments) if s.stress == 1 and not s.is_function]
-        points = [(0.0, state.f0 if state.f0 is not None else self._base(state.elapsed_ms))]
-        for place, i in enumerate(accents):
-            is_last = place == len(accents) - 1
-            height = self._height(tune, state.accents + place == 0, is_last)
-            limit = spans[accents[place + 1]][0] if not is_last else end
-            self._accent(points, spans[i], height, (state.elapsed_ms, limit))
-        self._ending(points, spans, segments, tune, state)
-        state.accents += len(accents)
-        state.elapsed_ms += end
-        state.f0 = points[-1][1]
-        return points
-
-    def _base(self, ms: float) -> float:
-        top, floor = self._s["top"], self._s["floor"]
-        return floor + (top - floor) * math.exp(-ms / self._s["decay_ms"])
-
-    def _height(self, tune: str, first: bool, last: bool) -> float:
-        wanted = self._tunes[tune]
-        if last:
-            return wanted["accent"]
-        return (self._s["first_accent"] if first else self._s["accent"]) * wanted["scale"]
-
-    def _accent(
-        self, points: list[Point], vowel: tuple[float, float], height: float, room: tuple[float, float]
-    ) -> None:
-        """Up to the middle of the vowel and back to the baseline. `room`: age at 0 ms, and the latest end."""
-        age, limit = room
-        begin, end = vowel
-        foot = max(begin - 60.0, points[-1][0] + 10.0)
-        if foot < begin:
-            points.append((foot, self._base(age + foot)))
-        peak = max(begin + 0.55 * (end - begin), points[-1][0] + 5.0)
-        points.append((peak, self._base(age + peak) + height))
-        back = min(end + 90.0, limit - 60.0)
-        if back > peak + 20.0:
-            points.append((back, self._base(age + back)))
-
-    def _ending(
-        self,
-        points: list[Point],
-        spans: Sequence[tuple[float, float]],
-        segments: Sequence[Segment],
-        tune: str,
-        state: MelodyState,
-    ) -> None:
-        """The tune takes over in the last syllable and reaches its goal at the phrase's end."""
-        end = spans[-1][1] if spans else 0.0
-        goal = self._tunes[tune]["end"] or self._base(state.elapsed_ms + end)
-        vowels = [i for i, s in enumerate(segments) if s.is_vowel]
-        begin = spans[vowels[-1]][0] if vowels else 0.0
-        while len(points) > 1 and points[-1][0] >= end - 1.0:
-            points.pop()
-        if points[-1][0] < begin and self._tunes[tune]["end"]:
-            points.append((begin, self._base(state.elapsed_ms + begin)))
-        points.append((max(end, points[-1][0] + 1.0), goal))
-
-
-def _spans(segments: Sequence[Segment]) -> list[tuple[float, float]]:
-    """(begin, end) of each segment in ms."""
-    spans, at = [], 0.0
-    for segment in segments:
-        spans.append((at, at + segment.ms))
-        at += segment.ms
-    return spans
-
-
-def share(points: Sequence[Point], segments: Sequence[Segment], f0_hz: float) -> list[tuple[Point, ...]]:
-    """The contour cut at the segments' borders: per segment (percent of its duration, Hz), the first at 0."""
-    out: list[tuple[Point, ...]] = []
-    at, k, last = 0.0, 0, len(points)
-    for segment in segments:
-        end = at + segment.ms
-        while k + 1 < last and points[k + 1][0] <= at:
-            k += 1
-        first = (0.0, _value(points, k, at) * f0_hz)
-        j = k + 1
-        if j < last and points[j][0] < end:
-            own = [first]
-            while j < last and points[j][0] < end:
-                own.append((100.0 * (points[j][0] - at) / segment.ms, points[j][1] * f0_hz))
-                j += 1
-            out.append(tuple(own))
+    def height(self, state: MelodyState, tune: Tune | None, last: bool, emphasis: float) -> float:
+        """The next accent's height; counts it. `tune`: the phrase's if its end is in sight, and then `last`
+        says whether it is its last accent."""
+        if tune is not None and last:
+            height = tune.accent
         else:
-            out.append((first,))
-        at = end
-    if out and points:
-        out[-1] = (*out[-1], (100.0, points[-1][1] * f0_hz))
-    return out
+            height = self._other if state.accents else self._first
+            if tune is not None:
+                height *= tune.scale
+        state.accents += 1
+        if emphasis > 0.0:
+            state.focus = True
+            return abs(height) * (1.0 + emphasis) + self._focus * emphasis
+        return height * self._after_focus if state.focus else height
 
+    def word(
+        self,
+        ms: Sequence[float],
+        accent: int,
+        height: float,
+        state: MelodyState,
+        register: tuple[float, float],
+    ) -> list[Pitch]:
+        """The pitch of each phone. `accent`: index of the vowel with the accent of that height, or -1;
+        `register`: the voice's middle pitch and the width of its range, Hz."""
+        f0, width = register
+        floor, tail = self._floor, state.tail
+        above = (self._top - floor) * math.exp(-state.elapsed_ms / self._decay_ms)
+        slope = above / self._decay_ms
+        base, elapsed = floor + above, 0.0
+        out: list[Pitch] = []
+        for i, length in enumerate(ms):
+            x = base - slope * elapsed
+            if tail:
+                x += tail[0]
+                tail = tail[1:]
+            if i == accent:
+                peak = base - slope * (elapsed + 0.55 * length) + height
+                out.append(((0.0, f0 + width * (x + self._rise * height)), (55.0, f0 + width * peak)))
+                tail = (self._after * height, self._later * height)
+            elif i + 1 == accent:
+                out.append(((0.0, f0 + width * (x + self._before * height)),))
+            else:
+                out.append(((0.0, f0 + width * x),))
+            elapsed += length
+        state.elapsed_ms += elapsed
+        state.tail = tail
+        return out
 
-def _value(points: Sequence[Point], k: int, at: float) -> float:
-    """Linear interpolation between points k and k + 1."""
-    if k + 1 >= len(points):
-        return points[-1][1]
-    (t0, f0), (t1, f1) = points[k], points[k + 1]
-    return f0 if t1 <= t0 else f0 + (f1 - f0) * (at - t0) / (t1 - t0)
+    def ending(
+        self, sounds: Sequence[Sound], ms: Sequence[float], pitch: list[Pitch], tune: Tune,
+        register: tuple[float, float],
+    ) -> None:  # fmt: skip
+        """Bends the pitch of a phrase's last word, in place, from its last vowel on, to end as the tune
+        says."""
+        f0, width = register
+        last = next((i for i in range(len(pitch) - 1, -1, -1) if sounds[i].vowel), 0)
+        start = pitch[last]
+        if tune.peak:
+            start = pitch[last] = (start[0], (45.0, f0 + width * tune.peak))
+        at, hz = start[-1]
+        goal = f0 + width * tune.end
+        passed = ms[last] * (1.0 - at / 100.0)
+        slope = (goal - hz) / (passed + sum(ms[last + 1 :]))
+        for i in range(last + 1, len(pitch)):
+            pitch[i] = ((0.0, hz + slope * passed),)
+            passed += ms[i]
+        pitch[-1] = (*pitch[-1], (100.0, goal))

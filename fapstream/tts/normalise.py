@@ -1,229 +1,256 @@
-"""Tokens to the words that are spoken: numbers, times, money, abbreviations, signs, capitals.
+"""Tokens to the words that are spoken: plain words at once, everything else by patterns.
 
 A spoken word is a string of lower-case letters of one script; a single capital letter stands for that
-letter's name. What has no letters or digits of a known script is passed over in silence.
+letter's name; phones that are given stand for themselves. What has no letters or digits of a known script is
+passed over in silence.
 """
 
 from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from fapstream.tts.numerals import Numerals
+from fapstream.records import Spoken
+from fapstream.tts.markup import PLAIN, Style
+from fapstream.tts.patterns import Patterns, Reading, Vocabulary
 from fapstream.tts.segment import INITIALS, Token, core
+from fapstream.tts.spelling import Speller
 
 _IGNORED = "\u0300-\u036f\u00ad\u200b-\u200d\u2060"
 _GREEK = f"[\u0370-\u0373\u0376\u0377\u037b-\u037d\u0386\u0388-\u03ff\u1f00-\u1fff][{_IGNORED}]*"
 _LATIN = f"[a-zA-Z\u00aa\u00ba\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u024f\u1e00-\u1eff\uff21-\uff5a][{_IGNORED}]*"
-_ACCENTS = {"\u0300": "\u0301", "\u0301": "\u0301", "\u0342": "\u0301", "\u0308": "\u0308"}
-_EXTRA = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "th", "þ": "th", "ŋ": "ng"}
-_EXTRA_LATIN = str.maketrans(
-    _EXTRA | {k.upper(): v.upper() for k, v in _EXTRA.items() if k != "ß"} | {"ı": "i"}
-)
-_GREEK_VOWELS = "αεηιουωάέήίόύώϊϋΐΰ"
-_GREEK_LETTERS = "βγδζθκλμνξπρστφχψς" + _GREEK_VOWELS
-MAX_WORD = 60
-"""Longer words are read in pieces of this many letters."""
+_WORDS = re.compile(rf"(?P<greek>(?:{_GREEK})+)|(?P<latin>(?:{_LATIN})+(?:['’](?:{_LATIN})+)*)")
+_NUMERIC = re.compile(r"[#+\-−.]{0,2}\d")
+_STARTER = re.compile(r"(?:[^\W\d_]|\.(?=[^\W\d_]))+\.?")
+MAX_GROUP = 8
+"""Tokens that may be read together."""
+BETWEEN = "./-"
+"""Signs that are read between words of two letters or more only, as in example.com."""
+
+
+Lexicon = Mapping[str, tuple[Spoken, ...]]
+_NO_LEXICON: Lexicon = {}
 
 
 @dataclass(slots=True)
 class Item:
-    """Characters [start, end) of the turn and the words they are read as."""
+    """Characters [start, end) of the turn and the words they are read as.
+
+    `stop`: the phrase end that is written on it, "" if none (see `Token.stop`).
+    """
 
     text: str
     start: int
     end: int
-    spoken: list[str] = field(default_factory=list)
+    spoken: list[Spoken]
+    style: Style = PLAIN
+    stop: str = ""
+
+
+@dataclass(slots=True)
+class Taken:
+    """Items in order, and how many of the tokens they come from."""
+
+    items: list[Item] = field(default_factory=list)
+    used: int = 0
 
 
 class Normaliser:
     """Reads the tokens of a phrase in one language; words of the other script stay what they are."""
 
-    def __init__(
-        self,
-        lang: str,
-        abbreviations: Mapping[str, tuple[str, str]],
-        symbols: Mapping[str, str],
-        is_word: Callable[[str], bool],
-    ) -> None:
-        """`is_word`: whether an all-capitals Latin string is a word to be spoken rather than spelled."""
-        self._lang = lang
-        self._abbreviations = abbreviations
-        self._symbols = symbols
-        self._is_word = is_word
-        self._numerals = Numerals(lang)
-        self._pattern = _item_pattern(self._numerals, symbols)
+    def __init__(self, vocabulary: Vocabulary, patterns: Patterns, speller: Speller) -> None:
+        self._patterns = patterns
+        self._words = speller.words
+        classes = vocabulary.classes
+        self._abbreviations = classes["abbreviation"]
+        self._symbols = classes["symbol"]
+        self._signs = frozenset(classes["sign"])
+        self._starters = {form: name for name in patterns.places for form in classes.get(name, ())}
+        self._going_on = frozenset(form.lower() for name in patterns.going_on for form in classes[name])
 
-    def __call__(self, tokens: Sequence[Token]) -> list[Item]:
-        """The items of a phrase, in order, each with at least one spoken word."""
-        items: list[Item] = []
-        owed = ""
-        for i, token in enumerate(tokens):
-            following = core(tokens[i + 1].text).lower() if i + 1 < len(tokens) else ""
-            found, owes = self._token(token, following)
-            if owed and found:
-                found[-1].spoken.append(owed)
-            owed = owes
-            items += found
-        return items
+    def take(
+        self, tokens: Sequence[Token], closed: bool, before: str = "", lexicon: Lexicon = _NO_LEXICON
+    ) -> Taken:
+        """The items of the tokens that nothing after them can change.
 
-    def _token(self, token: Token, following: str) -> tuple[list[Item], str]:
-        """The items of one token, and the word (a currency) that the token after it has to add."""
-        text = token.text
-        bare = core(text)
-        for written in (bare, bare[:-1]) if bare.endswith(".") else (bare,):
-            spoken = self._whole(written, following)
-            if spoken:
-                at = token.start + text.index(written)
-                return [Item(written, at, at + len(written), spoken)], ""
-        return self._items(token, following)
+        `closed`: the phrase ends after the tokens; `before`: the word before them, lower-case; `lexicon`: the
+        user's own readings. Every item has at least one spoken word.
+        """
+        taken = Taken()
+        while taken.used < len(tokens):
+            token = tokens[taken.used]
+            if lexicon and (own := self._own(token, lexicon)):
+                taken.items.append(own)
+                taken.used += 1
+            elif token.word or token.said:
+                if self._starts(token):
+                    if not self._group(taken, tokens, closed, before):
+                        break
+                else:
+                    self._single(taken, token)
+            elif not self._group(taken, tokens, closed, before):
+                break
+            if taken.items:
+                before = taken.items[-1].text.lower()
+        return taken
 
-    def _whole(self, written: str, following: str) -> list[str]:
-        """The reading of an abbreviation, initials or a plain word of one script; [] for anything else."""
-        entry = self._abbreviations.get(written)
-        if entry and (entry[1] != "number" or following[:1].isdigit()):
-            return entry[0].split()
-        if INITIALS.fullmatch(written) and len(written) > 2:
-            return [c.upper() for c in written if c != "."]
-        if not written.isalpha():
-            return []
-        if written.isascii():
-            return self._word(written)
-        return [] if written.lower().strip(_GREEK_LETTERS) else self._greek(written)
+    def _own(self, token: Token, lexicon: Lexicon) -> Item | None:
+        """The token as the user wants it read."""
+        bare = core(token.text)
+        forms = (bare, bare.removesuffix("."), token.word)
+        bare, spoken = next(
+            ((form, lexicon[form.lower()]) for form in forms if form.lower() in lexicon), ("", ())
+        )
+        if not spoken or token.said:
+            return None
+        start = token.text.index(bare)
+        text = (token.raw or token.text)[start : start + len(bare)]
+        return Item(
+            text, token.start + start, token.start + start + len(bare), list(spoken), token.style, token.stop
+        )
 
-    def _items(self, token: Token, following: str) -> tuple[list[Item], str]:
-        items, owed = [], ""
-        text = _ascii_digits(token.text)
-        for found in self._pattern.finditer(text):
-            kind = found.lastgroup or ""
-            rest = following if found.end() >= len(text.rstrip(".,;:!?)")) else ""
-            if kind in ("prefixed", "suffixed") and rest in self._numerals.scale_words:
-                spoken = self._numerals.number(*self._parts(found))
-                owed = self._numerals.coins(self._sign(found))
+    def _starts(self, token: Token) -> bool:
+        """Whether a pattern may begin with this word."""
+        word = token.word
+        return word in self._starters or (len(word) < len(token.text) and word + "." in self._starters)
+
+    def _single(self, taken: Taken, token: Token) -> None:
+        """A token that is read by itself: its word is plain, or mark-up says how."""
+        text, word = token.text, token.word
+        spoken: list[Spoken]
+        if token.said:
+            spoken = list(token.said)
+            word = text
+        else:
+            dotted = len(word) < len(text) and "." in text
+            entry = self._abbreviations.get(word) or (self._abbreviations.get(word + ".") if dotted else None)
+            spoken = [*(entry.one.split() if entry else self._words(word))]
+        taken.used += 1
+        if not spoken:
+            return
+        start = token.start + text.index(word) if len(word) < len(text) else token.start
+        if token.raw:
+            word = token.raw[start - token.start : start - token.start + len(word)]
+        taken.items.append(Item(word, start, start + len(word), spoken, token.style, token.stop))
+
+    # what is more than letters
+
+    def _group(self, taken: Taken, tokens: Sequence[Token], closed: bool, before: str) -> bool:
+        """Reads the next token, and with it those that belong to it; False if that needs more tokens."""
+        first = taken.used
+        end = first + 1
+        limit = min(len(tokens), first + MAX_GROUP)
+        while end < limit and not tokens[end - 1].stop and self._goes_on(tokens[end]):
+            end += 1
+        complete = closed or tokens[end - 1].stop or end == first + MAX_GROUP
+        if end == len(tokens) and not complete:
+            return False
+        window = tokens[first:end] if tokens[end - 1].stop else tokens[first : end + 1]
+        text = _Joined(window)
+        at = 0
+        while at < text.ends[0] or at not in text.starts:
+            readings, at = self._at(text, at, before)
+            taken.items += [text.item(reading) for reading in text.by_token(readings)]
+            if readings:
+                before = readings[-1].words[-1] if readings[-1].words else before
+            if at >= text.ends[-1]:
+                break
+        taken.used += text.tokens_before(at)
+        return True
+
+    def _goes_on(self, token: Token) -> bool:
+        """Whether a token may belong to the number or name before it."""
+        bare = core(token.text)
+        return bool(_NUMERIC.match(bare)) or bare[:1] in self._signs or bare.lower() in self._going_on
+
+    def _at(self, joined: _Joined, at: int, before: str) -> tuple[list[Reading], int]:
+        """What is read at a place, and where to go on."""
+        text = joined.text
+        place = self._place(text, at)
+        if place and (readings := self._patterns.read(place, text, at, before)) is not None:
+            return readings, max(readings[-1].end if readings else 0, at + 1)
+        if at in joined.starts and (whole := self._whole(joined, at)):
+            return [whole], whole.end
+        if word := _WORDS.match(text, at):
+            return [Reading(self._words(word.group()), at, word.end())], word.end()
+        entry = self._symbols.get(text[at])
+        if entry and (
+            text[at] not in BETWEEN or (text[at - 1 : at].isalpha() and text[at + 1 : at + 3].isalpha())
+        ):
+            return [Reading([*entry.one.split()], at, at + 1)], at + 1
+        return [], at + 1
+
+    def _place(self, text: str, at: int) -> str:
+        """Which patterns may begin here, "" if none."""
+        if text[at] in self._signs and _NUMERIC.match(text, at + 1):
+            return "sign"
+        if _NUMERIC.match(text, at):
+            return "digit"
+        if text[at].isalpha() and not text[at - 1 : at].isalnum() and (word := _STARTER.match(text, at)):
+            return self._starters.get(word.group()) or self._starters.get(word.group().rstrip(".")) or ""
+        return ""
+
+    def _whole(self, joined: _Joined, at: int) -> Reading | None:
+        """The reading of a whole token: an abbreviation with points in it, or initials."""
+        token = joined.starts[at]
+        bare = core(token.text)
+        begin = at + token.text.index(bare) if bare else at
+        for written in (bare, bare.removesuffix(".")):
+            if entry := self._abbreviations.get(written):
+                return Reading([*entry.one.split()], begin, begin + len(written))
+            if INITIALS.fullmatch(written) and len(written) > 2:
+                return Reading([c.upper() for c in written if c != "."], begin, begin + len(written))
+        return None
+
+
+class _Joined:
+    """Tokens as one text, a blank between them."""
+
+    def __init__(self, tokens: Sequence[Token]) -> None:
+        self.text = ascii_digits(" ".join([t.text for t in tokens]))
+        self.starts: dict[int, Token] = {}
+        self.ends: list[int] = []
+        at = 0
+        for token in tokens:
+            self.starts[at] = token
+            self.ends.append(at + len(token.text))
+            at += len(token.text) + 1
+        self._offsets = list(self.starts)
+
+    def tokens_before(self, at: int) -> int:
+        """How many tokens end at or before a place."""
+        return bisect_right(self.ends, at)
+
+    def by_token(self, readings: Sequence[Reading]) -> list[Reading]:
+        """What one pattern read, a reading for each token: nobody wants to see hours and minutes apart."""
+        out: list[Reading] = []
+        for reading in readings:
+            if out and bisect_right(self._offsets, out[-1].start) == bisect_right(
+                self._offsets, reading.start
+            ):
+                out[-1] = Reading([*out[-1].words, *reading.words], out[-1].start, reading.end)
             else:
-                spoken = getattr(self, f"_read_{kind}")(found, rest)
-            if spoken:
-                begin, end = found.span()
-                items.append(Item(token.text[begin:end], token.start + begin, token.start + end, spoken))
-        return items, owed
+                out.append(reading)
+        return [reading for reading in out if reading.words]
 
-    # One reader per named group of the pattern.
-
-    def _read_time(self, found: re.Match[str], following: str) -> list[str]:
-        hour, minute, *second = (int(part) for part in found.group().split(":"))
-        return self._numerals.clock(hour, minute, *second)
-
-    def _read_prefixed(self, found: re.Match[str], following: str) -> list[str]:
-        return self._numerals.money(self._sign(found), *self._parts(found))
-
-    _read_suffixed = _read_prefixed
-
-    def _read_percent(self, found: re.Match[str], following: str) -> list[str]:
-        return [*self._read_number(found, ""), *self._numerals.percent.split()]
-
-    def _read_decade(self, found: re.Match[str], following: str) -> list[str]:
-        return self._numerals.decade(int(found.group()[:-1]))
-
-    def _read_ordinal(self, found: re.Match[str], following: str) -> list[str]:
-        digits = re.match(r"\d+", found.group())
-        number = digits.group() if digits else "0"
-        if len(number) > 9:
-            return self._numerals.digits(number)
-        return self._numerals.ordinal(int(number), found.group()[len(number) :])
-
-    def _read_number(self, found: re.Match[str], following: str) -> list[str]:
-        text = found.group()
-        sign = [self._numerals.minus()] if text[0] in "-−" else []
-        whole, fraction = self._parts(found)
-        if len(whole) == 4 and whole[0] != "0" and text == whole and following != "%":
-            return self._numerals.year(int(whole))
-        return sign + self._numerals.number(whole, fraction, self._numerals.gender_before(following, whole))
-
-    def _read_symbol(self, found: re.Match[str], following: str) -> list[str]:
-        return self._symbols[found.group()].split()
-
-    def _read_greek(self, found: re.Match[str], following: str) -> list[str]:
-        return self._greek(found.group())
-
-    def _greek(self, text: str) -> list[str]:
-        """A Greek word: whole, or spelled where it has no vowel."""
-        word = fold_greek(text)
-        spelled = text.isupper() and len(word) > 1 and not any(c in _GREEK_VOWELS for c in word)
-        if spelled or (len(word) == 1 and word in "βγδζθκλμνξπρστφχψ"):
-            return [c.upper() for c in word]
-        return _pieces(word)
-
-    def _read_latin(self, found: re.Match[str], following: str) -> list[str]:
-        return self._word(fold_latin(found.group()))
-
-    def _word(self, text: str) -> list[str]:
-        """An ASCII word: whole, or spelled where it cannot be one."""
-        word = text.lower()
-        if len(word) == 1:
-            return [word] if word in "ai" else [word.upper()]
-        letters = word.replace("'", "")
-        if not letters.isalpha():
-            return []
-        unsayable = not any(c in "aeiouy" for c in letters)
-        if (unsayable or (text.isupper() and len(letters) <= 5)) and not self._is_word(word):
-            return [c.upper() for c in letters]
-        return _pieces(word)
-
-    def _sign(self, found: re.Match[str]) -> str:
-        return next(c for c in found.group() if c in self._numerals.signs)
-
-    def _parts(self, found: re.Match[str]) -> tuple[str, str]:
-        """The digits before and after the decimal mark of a matched number."""
-        whole, _, fraction = found.group().partition(self._numerals.decimal_mark)
-        return re.sub(r"\D", "", whole), re.sub(r"\D", "", fraction)
+    def item(self, reading: Reading) -> Item:
+        """A reading as an item of the turn."""
+        first = bisect_right(self._offsets, reading.start) - 1
+        last = bisect_right(self._offsets, reading.end - 1) - 1
+        begin, finish = self.starts[self._offsets[first]], self.starts[self._offsets[last]]
+        start = begin.start + reading.start - self._offsets[first]
+        end = finish.start + reading.end - self._offsets[last]
+        text = self.text[reading.start : reading.end]
+        if first == last:
+            text = (begin.raw or begin.text)[start - begin.start : end - begin.start]
+        return Item(text, start, end, list(reading.words), begin.style, finish.stop)
 
 
-def _item_pattern(numerals: Numerals, symbols: Mapping[str, str]) -> re.Pattern[str]:
-    group, mark = re.escape(numerals.group_mark), re.escape(numerals.decimal_mark)
-    number = rf"(?:\d{{1,3}}(?:{group}\d{{3}})+(?!\d)|\d+)(?:{mark}\d+)?"
-    signs = "".join(map(re.escape, numerals.signs))
-    suffixes = "|".join(sorted(numerals.ordinal_suffixes, key=len, reverse=True))
-    plain = "".join(re.escape(s) for s in symbols if s not in "./")
-    return re.compile(
-        r"(?P<time>(?<!\d)(?:[01]?\d|2[0-4]):[0-5]\d(?::[0-5]\d)?(?![\d:]))"
-        rf"|(?P<prefixed>[{signs}]{number})"
-        rf"|(?P<suffixed>{number}[{signs}])"
-        rf"|(?P<percent>(?:(?<!\w)[-−])?{number}%)"
-        r"|(?P<decade>(?<!\d)(?:1[1-9]|20)\d0s(?!\w))"
-        rf"|(?P<ordinal>\d+(?:{suffixes})(?!\w))"
-        rf"|(?P<number>(?:(?<![\w.,])[-−])?{number})"
-        rf"|(?P<greek>(?:{_GREEK})+)"
-        rf"|(?P<latin>(?:{_LATIN})+(?:['’](?:{_LATIN})+)*)"
-        rf"|(?P<symbol>[{plain}]|(?<=[^\W\d_]{{2}})\.(?=[^\W\d_]{{2}}))"
-    )
-
-
-def _pieces(word: str) -> list[str]:
-    return [word[at : at + MAX_WORD] for at in range(0, len(word), MAX_WORD)]
-
-
-def _ascii_digits(text: str) -> str:
+def ascii_digits(text: str) -> str:
     """Decimal digits of any script as ASCII ones; the length does not change."""
     if text.isascii():
         return text
     return "".join(str(unicodedata.decimal(c)) if c.isdecimal() else c for c in text)
-
-
-def fold_latin(text: str) -> str:
-    """Latin letters without their diacritics, apostrophes made ASCII; case is kept."""
-    if text.isascii():
-        return text
-    folded = unicodedata.normalize("NFKD", text.replace("’", "'").translate(_EXTRA_LATIN))
-    return "".join(c for c in folded if c.isascii() and (c.isalpha() or c == "'"))
-
-
-def fold_greek(text: str) -> str:
-    """Modern lower-case Greek: one accent, diaeresis, sigma written one way, breathings dropped."""
-    simple = text.lower()
-    if not simple.strip(_GREEK_LETTERS):
-        return simple.replace("ς", "σ")
-    decomposed = unicodedata.normalize("NFD", simple)
-    kept = "".join(_ACCENTS.get(c, "") if unicodedata.combining(c) else c for c in decomposed)
-    return "".join(c for c in unicodedata.normalize("NFC", kept) if c in _GREEK_LETTERS).replace("ς", "σ")

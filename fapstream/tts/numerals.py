@@ -14,7 +14,7 @@ Words = list[str]
 
 
 class Numerals:
-    """Cardinals, ordinals, decimals, years, clock times and sums of money of one language.
+    """Cardinals, ordinals, decimals, fractions, years and clock times of one language.
 
     Every method returns the spoken words. `gender` is "" for the counting form (neuter in Greek), "f" or "m".
     """
@@ -22,17 +22,12 @@ class Numerals:
     def __init__(self, lang: str) -> None:
         self._t: dict[str, Any] = tomllib.loads(read_text(f"{lang}/numbers.toml"))
         self.decimal_mark: str = self._t["decimal_mark"]
-        self.group_mark: str = self._t["group_mark"]
-        self.ordinal_suffixes: list[str] = self._t["ordinal_suffixes"]
-        self.signs: list[str] = list(self._t["money"])
-        self.percent: str = self._t["percent"]
-        self.scale_words = frozenset(self._t["scale_words"])
 
-    def gender_before(self, next_word: str, number: str) -> str:
-        """The gender that the ending of the counted noun asks for, as far as an ending can tell."""
+    def gender_between(self, before: str, after: str, number: str) -> str:
+        """The gender that the ending of the counted noun asks for, as far as the words around can tell."""
         table = "gender_of_one" if number == "1" else "gender_of"
         endings: dict[str, str] = self._t.get(table, {})
-        return next((g for ending, g in endings.items() if next_word.endswith(ending)), "")
+        return next((g for ending, g in endings.items() if after.endswith(ending)), "")
 
     def cardinal(self, n: int, gender: str = "") -> Words:
         """`n` >= 0; beyond MAX_DIGITS digits the digits one by one."""
@@ -105,38 +100,28 @@ class Numerals:
         last = words[-1]
         return [*words[:-1], last.removesuffix("y") + "ies" if last.endswith("y") else last + "s"]
 
-    def clock(self, hour: int, minute: int, second: int = 0) -> Words:
-        """21:45 -> twenty one forty five; είκοσι μία και σαράντα πέντε."""
-        gender = self._t.get("hour_gender", "")
-        words = self.cardinal(hour, gender)
-        if "hour_exact" in self._t:
-            words = self._english_minutes(hour, words, minute)
-        elif minute:
-            words += [self._t["and"], *self.cardinal(minute)]
-        return [*words, self._t["and"], *self.cardinal(second)] if second else words
+    def hour(self, n: int) -> Words:
+        """The hour of a clock time."""
+        return (
+            self.cardinal(n, self._t.get("hour_gender", ""))
+            if n or "zero_hour" not in self._t
+            else [self._t["zero_hour"]]
+        )
 
-    def _english_minutes(self, hour: int, words: Words, minute: int) -> Words:
-        if not minute:
-            exact = self._t["hour_exact" if 1 <= hour <= 12 else "hour_exact_24"]
-            return [*words, exact] if hour else [self._t["zero_hour"], exact]
-        zero = [self._t["digits_zero"]] if minute < 10 else []
-        return [*words, *zero, *self.cardinal(minute)]
+    def minute(self, n: int) -> Words:
+        """Minutes after an hour: five is `oh five` where that is the custom."""
+        zero = self._t.get("digits_zero") if n < 10 else None
+        return [zero, *self.cardinal(n)] if zero else self.cardinal(n)
 
-    def coins(self, sign: str) -> str:
-        """The currency's plural: $ -> dollars."""
-        return str(self._t["money"][sign][1])
-
-    def money(self, sign: str, whole: str, fraction: str = "") -> Words:
-        """A sum: $2.50 -> two dollars and fifty cents."""
-        one, many, cent, cents = self._t["money"][sign]
-        gender = self._t.get("money_gender", {}).get(sign, "")
-        if len(fraction) not in (0, 2):
-            return [*self.number(whole, fraction, gender), many]
-        words = [*self.number(whole, "", gender), one if int(whole) == 1 else many]
-        if not fraction or fraction == "00":
-            return words
-        coin = cent if fraction == "01" else cents
-        return [*words, self._t["and"], *self.cardinal(int(fraction)), coin]
+    def denominator(self, n: int, numerator: int) -> Words:
+        """The lower number of a fraction; 1/4 -> quarter, 2/3 -> thirds."""
+        table: dict[str, list[str]] = self._t.get("denominators", {})
+        one, many = table.get(str(n), ["", ""])
+        if one:
+            return (one if numerator == 1 else many).split()
+        words = self.ordinal(n, self._t.get("denominator_ending", ""))
+        plural = self._t.get("denominator_plural", "")
+        return words if numerator == 1 or not plural else [*words[:-1], words[-1] + plural]
 
     def ordinal(self, n: int, suffix: str) -> Words:
         """`suffix` is what was written after the digits: 21st -> twenty first; 21η -> εικοστή πρώτη."""

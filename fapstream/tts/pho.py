@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from fapstream.errors import DataError
-from fapstream.records import SILENCE, Phone
-from fapstream.tts.realise import VoicePhone, lengths, realise
+from fapstream.records import Phone, Utterance, Word
+from fapstream.tts.realise import Join, VoicePhone, lengths, realise, rewrite
 from fapstream.tts.voices import Voice
 
 F0_LOW_HZ, F0_HIGH_HZ = 40.0, 500.0
@@ -69,19 +69,55 @@ def parse(text: str) -> list[PhoLine]:
     return out
 
 
+@dataclass(frozen=True, slots=True)
+class Written:
+    """Lines for MBROLA and what they say: the phones with their words, and where each of them ends, in
+    samples from where the last lines ended. `following`: the phone that will be next, where that is known."""
+
+    lines: str
+    phones: tuple[tuple[Phone, Word | None], ...]
+    ends: list[int]
+    following: Phone | None
+
+
 class Realiser:
-    """Writes the utterances of one stream for one voice; remembers the last phone, so that joins exist."""
+    """Writes the utterances of one stream for one voice, the last phone of an open one only with the next.
+
+    So the lines do not depend on where the stream was cut into utterances, every join exists, and the last
+    phone can still be drawn out. MBROLA could not say it yet anyway: it waits for the phone after it.
+    """
 
     def __init__(self, voice: Voice) -> None:
         self._voice = voice
-        self._previous = SILENCE
+        self._join = Join()
+        self._kept: list[tuple[Phone, Word | None]] = []
 
-    def lines(self, phones: Sequence[Phone]) -> tuple[str, list[int]]:
-        """The .pho text of an utterance, and each phone's end in samples since the utterance's start."""
-        written = realise(phones, self._voice, self._previous)
-        if written:
-            self._previous = written[-1].name
-        return lines(written, self._voice.sample_rate), list(accumulate(lengths(written, len(phones))))
+    def write(self, utterance: Utterance) -> Written:
+        """What can be said now that the utterance has come."""
+        words = utterance.words
+        phones = self._kept + [(p, words[p.word] if p.word >= 0 else None) for p in utterance.phones]
+        if not phones:
+            return Written("", (), [], None)
+        plain = [phone for phone, _ in phones]
+        join = replace(self._join, more=not utterance.closed)
+        made = realise(plain, self._voice, join)
+        ends = list(accumulate(lengths(made, len(plain))))
+        count = len(plain) if utterance.closed else _first_of_last(plain, self._voice, join)
+        said, self._kept = phones[:count], phones[count:]
+        if not said:
+            return Written("", (), [], plain[0])
+        wished = join.behind + sum(p.duration_ms for p, _ in said) * self._voice.sample_rate / 1000.0
+        self._join = Join(
+            made[-1].name if made else join.previous, plain[count - 1], wished - ends[count - 1]
+        )
+        following = plain[count] if count < len(plain) else None
+        return Written(lines(made, self._voice.sample_rate), tuple(said), ends[:count], following)
+
+
+def _first_of_last(phones: Sequence[Phone], voice: Voice, join: Join) -> int:
+    """Index of the first phone of the last group that the voice says as one."""
+    *_, (_, first, _) = rewrite(phones, voice, join.before)
+    return first
 
 
 def _bounded(value: float, low: float, high: float) -> float:

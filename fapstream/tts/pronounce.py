@@ -1,24 +1,33 @@
-"""Spoken words to the phones of the language being spoken, each word read by the language of its script."""
+"""Spoken words to the phones of the language being spoken, each word read by the language of its script.
+
+Words come one after the other; a word is pronounced as soon as what follows can no longer change it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
 
+from fapstream.records import Spoken
 from fapstream.tts.english import english
 from fapstream.tts.greek import greek
 from fapstream.tts.tables import phone_set, read_pairs, require_language
 
 Tokens = tuple[str, ...]
 
+LEFT = 2
+"""Words before a word that may act on it; to the right it is one."""
 
-def script(word: str) -> str:
-    """The language whose letters a spoken word is written in."""
+
+def script(word: Spoken) -> str:
+    """The language whose letters a spoken word is written in; "" for phones that are given."""
+    if isinstance(word, tuple):
+        return ""
     return "en" if word[:1].isascii() else "el"
 
 
 class Pronouncer:
-    """Phones of the words of a phrase in one language; foreign phones are mapped to its nearest ones."""
+    """Phones of words in one language; foreign phones are mapped to its nearest ones."""
 
     def __init__(self, lang: str) -> None:
         """Raises UnknownLanguage, DataError."""
@@ -28,14 +37,32 @@ class Pronouncer:
         self._vowels = frozenset(p.name for p in phone_set(lang).values() if p.kind == "vowel")
         self._nearest = {phone: tuple(near.split()) for phone, near in pairs.items()}
 
-    def __call__(self, words: Sequence[str]) -> list[Tokens]:
-        """One tuple of phones per word; vowels carry stress digits."""
+    def __call__(self, words: Sequence[Spoken], first: int = 0) -> list[Tokens]:
+        """One tuple of phones for each word of a phrase from the one at `first` on; vowels carry stress
+        digits.
+
+        LEFT words before `first` are enough to get the same as from the whole phrase.
+        """
         found: list[Tokens] = []
         for lang, run in groupby(words, script):
-            reader = english() if lang == "en" else greek()
-            phones = reader.phones(list(run))
+            if not lang:
+                found += run  # type: ignore[arg-type]
+                continue
+            phones = (english() if lang == "en" else greek()).phones(list(run))  # type: ignore[arg-type]
             found += phones if lang == self._lang else [self._mapped(tokens) for tokens in phones]
-        return found
+        return found[first:] if first else found
+
+    def needs_next(self, word: Spoken) -> bool:
+        """Whether the word after it, or that there is none, could change its phones."""
+        if isinstance(word, tuple):
+            return False
+        return english().needs_next(word) if script(word) == "en" else greek().needs_next(word)
+
+    def path(self, word: Spoken) -> str:
+        """Where its phones come from: user, lexicon, rule, tree and so on."""
+        if isinstance(word, tuple):
+            return "user"
+        return english().path(word) if script(word) == "en" else greek().path(word)
 
     def _mapped(self, tokens: Tokens) -> Tokens:
         out: list[str] = []

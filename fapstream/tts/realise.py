@@ -33,15 +33,33 @@ class VoicePhone:
     parts: tuple[tuple[int, int], ...]
 
 
-def realise(phones: Sequence[Phone], voice: Voice, previous: str = SILENCE) -> list[VoicePhone]:
-    """The phones of one utterance for `voice`.
+@dataclass(frozen=True, slots=True)
+class Join:
+    """What was written before, and whether more is to come.
 
-    `previous`: name of the voice phone written before (`result[-1].name` of the utterance before, silence at
-    the start of a stream), so that the join between utterances exists too. Sample counts: boundary k of the
-    input is at round(sum of the first k durations * rate), kept by `parts`; see `lengths`.
+    `previous`: the voice phone written last, silence at the start of a stream. `before`: the language phone
+    before the first. `behind`: by how much of a sample the phones written end before their wished time.
+    `more`: the last phone's successor is not known yet, so it is not realised, nor what is merged with it.
     """
-    ends = _ends(phones, voice.sample_rate)
-    slots = _slots(phones, voice, ends)
+
+    previous: str = SILENCE
+    before: Phone | None = None
+    behind: float = 0.0
+    more: bool = False
+
+
+_ALONE = Join()
+
+
+def realise(phones: Sequence[Phone], voice: Voice, join: Join = _ALONE) -> list[VoicePhone]:
+    """The phones of one utterance for `voice`, so that every join within and before it exists.
+
+    Sample counts: boundary k of the input is at round(sum of the first k durations * rate + behind), kept by
+    `parts`; see `lengths`.
+    """
+    ends = _ends(phones, voice.sample_rate, join.behind)
+    slots = _slots(phones, voice, ends, join)
+    previous = join.previous
     names = _choose([slot.name for slot in slots], voice, previous)
     joined: list[VoicePhone] = []
     for slot, name in zip(slots, names, strict=True):
@@ -62,18 +80,21 @@ def lengths(voice_phones: Sequence[VoicePhone], n_phones: int) -> list[int]:
     return total
 
 
-def _ends(phones: Sequence[Phone], rate: int) -> list[int]:
+def _ends(phones: Sequence[Phone], rate: int, behind: float) -> list[int]:
     """The sample at which each phone ends."""
-    return [round(ms * rate / 1000.0) for ms in accumulate(p.duration_ms for p in phones)]
+    return [round(behind + ms * rate / 1000.0) for ms in accumulate(p.duration_ms for p in phones)]
 
 
-def rewrite(phones: Sequence[Phone], voice: Voice) -> Iterator[tuple[tuple[str, ...], int, int]]:
+def rewrite(
+    phones: Sequence[Phone], voice: Voice, before: Phone | None = None
+) -> Iterator[tuple[tuple[str, ...], int, int]]:
     """(voice phones, first language phone, one past the last) by the voice's rules and table, in order."""
     codes = phone_codes(voice.lang)
     edge = codes[(SILENCE, 0)]
-    text = edge + "".join([codes[(p.name, p.stress)] for p in phones]) + edge
+    left = codes[(before.name, before.stress)] if before else edge
+    text = left + "".join([codes[(p.name, p.stress)] for p in phones]) + edge
     at = 0
-    for match in voice.rules.apply(text):
+    for match in voice.rules.apply(text, 1):
         begin, end = match.start - 1, match.end - 1
         yield from _by_table(phones, voice, at, begin)
         yield match.output, begin, end
@@ -89,9 +110,20 @@ def _by_table(
         yield voice.phones.get(name, (name,)), i, i + 1
 
 
-def _slots(phones: Sequence[Phone], voice: Voice, ends: Sequence[int]) -> list[VoicePhone]:
-    """Voice phones without pitch; those without samples are left out, those too long divided."""
-    slots = [slot for names, i, j in rewrite(phones, voice) for slot in _spread(names, ends, i, j)]
+def _slots(phones: Sequence[Phone], voice: Voice, ends: Sequence[int], join: Join) -> list[VoicePhone]:
+    """Voice phones without pitch; those without samples are left out, those too long divided. A phone that
+    draws out the one before it is one with it."""
+    groups = list(rewrite(phones, voice, join.before))
+    if join.more:
+        groups.pop()
+    slots: list[VoicePhone] = []
+    for names, i, j in groups:
+        found = _spread(names, ends, i, j)
+        if slots and i and phones[i].hold and phones[i].name == phones[i - 1].name:
+            last, drawn = slots[-1], sum(slot.n_samples for slot in found)
+            slots[-1] = replace(last, n_samples=last.n_samples + drawn, parts=(*last.parts, (i, drawn)))
+        else:
+            slots += found
     return [piece for slot in slots if slot.n_samples for piece in _bounded(slot, voice.sample_rate)]
 
 

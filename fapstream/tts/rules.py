@@ -81,10 +81,10 @@ class RuleSet:
                 rules.append((line, (left, text, right, output)))
         return cls(rules, classes, path=path)
 
-    def apply(self, text: str) -> Iterator[Match]:
-        """The rewriting of `text`, left to right; symbols no rule matches are passed over."""
+    def apply(self, text: str, at: int = 0) -> Iterator[Match]:
+        """The rewriting of `text` from `at` on, left to right; symbols no rule matches are passed over."""
         outputs = self._outputs
-        for found in self._regex.finditer(text):
+        for found in self._regex.finditer(text, at):
             yield Match(*found.span(), outputs[(found.lastindex or 1) - 1])
 
     def _pattern(self, left: str, text: str, right: str) -> str:

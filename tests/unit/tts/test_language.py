@@ -6,7 +6,7 @@ import pytest
 
 from fapstream.errors import UnknownLanguage
 from fapstream.tts.language import language
-from fapstream.tts.tables import read_rows
+from fapstream.tts.patterns import Vocabulary
 
 
 @pytest.mark.parametrize("name", ["en", "el"])
@@ -14,8 +14,6 @@ def test_a_language_is_made_once_and_is_whole(name: str) -> None:
     rooms = language(name)
     assert rooms is language(name)
     assert rooms.cut_before
-    assert all(stop.pause_ms >= 0 and 0 <= stop.reset <= 1 for stop in rooms.stops.values())
-    assert {"comma", "sentence", "question", "line", "smiley", "open"} <= set(rooms.stops)
 
 
 def test_question_words() -> None:
@@ -31,7 +29,12 @@ def test_unknown() -> None:
 
 
 @pytest.mark.parametrize("name", ["en", "el"])
-def test_abbreviations_can_be_spoken(name: str) -> None:
-    for row in (row for _, row in read_rows(f"{name}/abbreviations.tsv", 3)):
-        assert row[2] in ("", "end", "number"), row
-        assert all(language(name).pronounce(row[1].split())), row
+def test_the_vocabulary_can_be_spoken(name: str) -> None:
+    vocabulary = Vocabulary(f"{name}/vocabulary.tsv")
+    assert {"abbreviation", "symbol", "sign", "unit", "scale", "month"} <= set(vocabulary.classes)
+    assert set(vocabulary.ends.values()) <= {"", "end", "number"}
+    for kind, entries in vocabulary.classes.items():
+        for written, entry in entries.items():
+            readings = [entry.one] if kind == "abbreviation" else [entry.one, entry.many]
+            for reading in readings:
+                assert all(language(name).pronounce(reading.split())), (written, reading)

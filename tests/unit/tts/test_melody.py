@@ -1,74 +1,103 @@
-"""The pitch contour."""
+"""The melody of words and phrase ends."""
 
 from __future__ import annotations
 
-import tomllib
-from itertools import pairwise
-
 import pytest
 
-from fapstream.tts.durations import DurationModel, Segment
-from fapstream.tts.melody import MelodyModel, MelodyState, share
-from fapstream.tts.tables import read_text
+from fapstream.tts.melody import MelodyState, Pitch
+from fapstream.tts.prosody import standard
 
-PROSODY = tomllib.loads(read_text("prosody.toml"))
-MODEL = MelodyModel(PROSODY["melody"], PROSODY["tunes"])
-WORDS = ["k a0 l i0 m e1 r a0", "k o1 z m e0", "t i1 l e0", "m u0"]
-
-
-def segments(*words: str) -> list[Segment]:
-    model = DurationModel("el", PROSODY["durations"]["el"])
-    found = model.segments([tuple(w.split()) for w in words], [False] * len(words))
-    model.assign(found, 1.0, True)
-    return found
+F0, WIDTH = 120.0, 200.0
+REGISTER = (F0, WIDTH)
+MODEL = standard("en").melody
+SOUNDS = standard("en").sounds
+WORD = [SOUNDS[t] for t in ["k", "A0", "l", "i1", "m", "A0"]]
+MS = [80.0, 70.0, 60.0, 120.0, 60.0, 90.0]
+ACCENT = 3
 
 
-def contour(tune: str, *words: str) -> list[tuple[float, float]]:
-    return MODEL.contour(segments(*(words or WORDS)), tune, MelodyState())
+def word(state: MelodyState, height: float, accent: int = ACCENT) -> list[Pitch]:
+    return MODEL.word(MS, accent, height, state, REGISTER)
 
 
-@pytest.mark.parametrize("tune", sorted(PROSODY["tunes"]))
-def test_times_ascend_and_values_are_sane(tune: str) -> None:
-    points = contour(tune)
-    assert all(a[0] < b[0] for a, b in pairwise(points))
-    assert all(0.6 < f < 1.7 for _, f in points)
-    assert points[-1][0] == pytest.approx(sum(s.ms for s in segments(*WORDS)))
-
-
-def test_endings() -> None:
-    end = {tune: contour(tune)[-1][1] for tune in PROSODY["tunes"]}
-    assert end["fall"] < end["low"] < end["open"] < end["continuation"] < end["rise"]
-
-
-def test_an_accent_on_each_stressed_syllable() -> None:
-    points = contour("fall")
-    peaks = [b for a, b, c in zip(points, points[1:], points[2:], strict=False) if a[1] < b[1] > c[1]]
-    assert len(peaks) == 3
-    assert peaks[0][1] > peaks[1][1]
-
-
-def test_declination_goes_on_in_the_next_piece() -> None:
+def test_the_declination_falls_with_time_and_goes_on_in_the_next_word() -> None:
     state = MelodyState()
-    first = MODEL.contour(segments(*WORDS[:2]), "open", state)
-    second = MODEL.contour(segments(*WORDS[2:]), "fall", state)
-    assert second[0] == (0.0, first[-1][1])
-    assert state.elapsed_ms == pytest.approx(first[-1][0] + second[-1][0])
-    assert first[0][1] > first[-1][1] > second[-1][1]
+    first, second = word(state, 0.0, -1), word(state, 0.0, -1)
+    values = [hz for phone in first + second for _, hz in phone]
+    assert values == sorted(values, reverse=True)
+    assert state.elapsed_ms == pytest.approx(2 * sum(MS))
+    for _ in range(40):
+        word(state, 0.0, -1)
+    assert word(state, 0.0, -1)[0][0][1] == pytest.approx(F0 - 0.10 * WIDTH, abs=0.5)
+    state.restart(1.0)
+    assert word(state, 0.0, -1) == first
 
 
-def test_share_cuts_at_the_borders() -> None:
-    found = segments("t a1")
-    points = [
-        (0.0, 1.0),
-        (found[0].ms, 1.2),
-        (found[0].ms + found[1].ms / 2, 1.4),
-        (found[0].ms + found[1].ms, 1.0),
-    ]
-    first, second = share(points, found, 100.0)
-    assert first == ((0.0, 100.0),)
-    assert [p for p, _ in second] == pytest.approx([0.0, 50.0, 100.0])
-    assert [hz for _, hz in second] == pytest.approx([120.0, 140.0, 100.0])
+def test_an_accent_rises_to_the_vowels_middle_and_falls_after_it() -> None:
+    flat, accented = word(MelodyState(), 0.0), word(MelodyState(), 0.2)
+    (start, from_hz), (middle, peak) = accented[ACCENT]
+    assert (start, middle) == (0.0, 55.0)
+    assert peak - from_hz > 0.5 * 0.2 * WIDTH, "enough for the gestures that follow accents"
+    assert flat[ACCENT][1][1] + 0.2 * WIDTH == pytest.approx(peak)
+    assert accented[0] == flat[0]
+    assert peak > accented[ACCENT + 1][0][1] > accented[ACCENT + 2][0][1] > flat[ACCENT + 2][0][1]
 
 
-def test_nothing_to_say() -> None:
-    assert share(MODEL.contour([], "fall", MelodyState()), [], 100.0) == []
+def test_an_accent_on_the_last_phone_falls_in_the_next_word() -> None:
+    state, plain = MelodyState(), MelodyState()
+    word(state, 0.2, len(MS) - 1)
+    word(plain, 0.0, -1)
+    after, flat = word(state, 0.0, -1), word(plain, 0.0, -1)
+    assert after[0][0][1] > after[1][0][1] > flat[1][0][1]
+    assert after[2] == flat[2]
+
+
+def test_heights() -> None:
+    state = MelodyState()
+    tunes = MODEL.tunes
+    first, second = (MODEL.height(state, None, False, 0.0) for _ in range(2))
+    assert first > second > 0
+    assert state.accents == 2
+    assert MODEL.height(state, tunes["exclaim"], False, 0.0) > second
+    assert MODEL.height(state, tunes["rise"], True, 0.0) == tunes["rise"].accent
+    strong = MODEL.height(state, None, False, 0.8)
+    assert strong > 1.5 * second
+    assert MODEL.height(state, None, False, 0.0) < 0.5 * second, "after the focus accents are small"
+
+
+@pytest.mark.parametrize("lang", ["en", "el"])
+@pytest.mark.parametrize("name", sorted(MODEL.tunes))
+@pytest.mark.parametrize("accent", [-1, 1, 3, 5])
+def test_endings_reach_their_goal(lang: str, name: str, accent: int) -> None:
+    model = standard(lang).melody
+    tune = model.tunes[name]
+    pitch = model.word(MS, accent, tune.accent, MelodyState(), REGISTER)
+    before = list(pitch)
+    model.ending(WORD, MS, pitch, tune, REGISTER)
+    assert pitch[-1][-1] == (100.0, pytest.approx(F0 + WIDTH * tune.end))
+    assert pitch[:5] == before[:5], "only the last syllable's vowel and what follows it"
+    for phone in pitch:
+        assert phone[0][0] == 0.0
+        assert [p for p, _ in phone] == sorted({p for p, _ in phone})
+
+
+def test_the_final_fall_is_sixty_hertz_of_a_range_of_220() -> None:
+    """The paper on the FPD-based talking head, section 4.1."""
+    top = MODEL.word(MS, -1, 0.0, MelodyState(), (180.0, 220.0))[0][0][1]
+    assert top - (180.0 + 220.0 * MODEL.tunes["fall"].end) == pytest.approx(60.0, abs=2.0)
+
+
+def test_a_greek_question_rises_and_falls_on_its_last_vowel() -> None:
+    model = standard("el").melody
+    pitch = model.word(MS, 3, model.tunes["rise"].accent, MelodyState(), REGISTER)
+    model.ending(WORD, MS, pitch, model.tunes["rise"], REGISTER)
+    (_, start), (_, peak), (_, end) = pitch[-1]
+    assert peak > start + 20
+    assert peak > end + 40
+
+
+def test_a_word_of_consonants_can_end_a_phrase() -> None:
+    sounds = [SOUNDS["s"], SOUNDS["t"]]
+    pitch = MODEL.word([80.0, 70.0], -1, 0.0, MelodyState(), REGISTER)
+    MODEL.ending(sounds, [80.0, 70.0], pitch, MODEL.tunes["fall"], REGISTER)
+    assert pitch[-1][-1][0] == 100.0

@@ -7,14 +7,19 @@ import struct
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fapstream.errors import DataError
-from fapstream.records import Phone
+from fapstream.records import Phone, Utterance
 from fapstream.tts import pho
 from fapstream.tts.realise import VoicePhone
+from fapstream.tts.tables import phone_set
 from fapstream.tts.voices import voice
+
+
+def utterance(*phones: Phone, closed: bool = False) -> Utterance:
+    return Utterance("", phones, (), closed)
 
 
 def float32(value: float) -> float:
@@ -65,9 +70,51 @@ def test_parse() -> None:
 def test_the_realiser_remembers_the_last_phone() -> None:
     v = voice("gr1")
     writer = pho.Realiser(v)
-    first, ends = writer.lines([Phone("a", 100.0), Phone("s", 80.0)])
-    second, _ = writer.lines([Phone("D", 80.0), Phone("a", 100.0)])
-    names = [line.name for line in pho.parse(first + second)]
-    assert ends == [1600, 2880]
+    first = writer.write(utterance(Phone("a", 100.0), Phone("s", 80.0)))
+    second = writer.write(utterance(Phone("D", 80.0), Phone("a", 100.0), Phone("_", 50.0), closed=True))
+    names = [line.name for line in pho.parse(first.lines + second.lines)]
+    assert (first.ends, [p.name for p, _ in first.phones]) == ([1600], ["a"])
+    assert first.following == Phone("s", 80.0)
+    assert [p.name for p, _ in second.phones] == ["s", "D", "a", "_"]
+    assert second.ends[-1] == 1280 + 1280 + 1600 + 800
+    assert second.following is None
     assert all(v.joins(a, b) for a, b in pairwise(names))
-    assert writer.lines([]) == ("", [])
+    assert writer.write(utterance(closed=True)) == pho.Written("", (), [], None)
+
+
+PHONES = st.lists(
+    st.tuples(st.sampled_from(["k", "s", "a", "r", "t", "i"]), st.floats(20, 300)), min_size=1, max_size=20
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(["gr1", "gr2", "us1", "en1"]), PHONES, st.lists(st.integers(0, 20), max_size=5))
+def test_where_a_stream_is_cut_cannot_be_heard(
+    name: str, chosen: list[tuple[str, float]], cuts: list[int]
+) -> None:
+    """The same voice phones and samples, whether a phrase comes whole or in open pieces."""
+    phones = [Phone(n, ms, ((0.0, 100.0),)) for n, ms in chosen if n in phone_set(voice(name).lang)]
+    phones.append(Phone("_", 100.0))
+    edges = [0, *sorted(c for c in cuts if c < len(phones)), len(phones)]
+
+    def lines(pieces: list[list[Phone]]) -> list[tuple[str, float]]:
+        writer = pho.Realiser(voice(name))
+        written = [writer.write(utterance(*p, closed=p is pieces[-1])) for p in pieces]
+        assert [p for w in written for p, _ in w.phones] == phones
+        ends = [e for w in written for e in w.ends]
+        assert all(w.ends == sorted(w.ends) for w in written)
+        assert ends
+        return [(line.name, line.duration_ms) for w in written for line in pho.parse(w.lines)]
+
+    pieces = [phones[a:b] for a, b in pairwise(edges) if a < b]
+    assert lines(pieces) == lines([phones])
+
+
+def test_a_phone_that_is_drawn_out_is_one_with_the_one_before() -> None:
+    writer = pho.Realiser(voice("us1"))
+    first = writer.write(utterance(Phone("m", 80.0), Phone("A", 120.0)))
+    held = writer.write(utterance(Phone("A", 140.0, hold=True), Phone("_", 100.0, hold=True), closed=True))
+    drawn, pause = pho.parse(held.lines)
+    assert [p.name for p, _ in first.phones] == ["m"]
+    assert (drawn.name, round(drawn.duration_ms), pause.name) == ("A", 260, "_")
+    assert held.ends == [1920, 1920 + 2240, 1920 + 2240 + 1600]

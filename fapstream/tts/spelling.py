@@ -1,0 +1,81 @@
+"""Written words as spoken words: lower-case letters of one script, or the names of letters.
+
+A spoken word is a string of lower-case letters of one script; a single capital letter stands for that
+letter's name.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Callable
+
+_ACCENTS = {"\u0300": "\u0301", "\u0301": "\u0301", "\u0342": "\u0301", "\u0308": "\u0308"}
+_EXTRA = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "th", "þ": "th", "ŋ": "ng"}
+_EXTRA_LATIN = str.maketrans(
+    _EXTRA | {k.upper(): v.upper() for k, v in _EXTRA.items() if k != "ß"} | {"ı": "i"}
+)
+_GREEK_VOWELS = "αεηιουωάέήίόύώϊϋΐΰ"
+_GREEK_LETTERS = "βγδζθκλμνξπρστφχψς" + _GREEK_VOWELS
+MAX_WORD = 60
+"""Longer words are read in pieces of this many letters."""
+
+
+class Speller:
+    """Decides what is read as a word and what is spelled."""
+
+    def __init__(self, is_word: Callable[[str], bool]) -> None:
+        """`is_word`: whether an all-capitals Latin string is a word to be spoken rather than spelled."""
+        self._is_word = is_word
+
+    def words(self, text: str) -> list[str]:
+        """A word of letters in any script as it is spoken."""
+        if text.isascii():
+            return self._word(text)
+        if "\u0370" <= text[0] <= "\u03ff" or "\u1f00" <= text[0] <= "\u1fff":
+            return self._greek(text)
+        return self._word(fold_latin(text))
+
+    def _greek(self, text: str) -> list[str]:
+        """A Greek word: whole, or spelled where it has no vowel."""
+        word = fold_greek(text)
+        spelled = text.isupper() and len(word) > 1 and not any(c in _GREEK_VOWELS for c in word)
+        if spelled or (len(word) == 1 and word in "βγδζθκλμνξπρστφχψ"):
+            return [c.upper() for c in word]
+        return _pieces(word)
+
+    def _word(self, text: str) -> list[str]:
+        """An ASCII word: whole, or spelled where it cannot be one."""
+        word = text.lower()
+        if len(word) == 1:
+            return [word] if word in "ai" else [word.upper()]
+        if not text.isupper() and any(c in "aeiouy" for c in word):
+            return _pieces(word) if len(word) > MAX_WORD else [word]
+        letters = word.replace("'", "").replace("’", "")
+        if not letters.isalpha():
+            return []
+        unsayable = not any(c in "aeiouy" for c in letters)
+        if (unsayable or (text.isupper() and len(letters) <= 5)) and not self._is_word(word):
+            return [c.upper() for c in letters]
+        return _pieces(word)
+
+
+def _pieces(word: str) -> list[str]:
+    return [word[at : at + MAX_WORD] for at in range(0, len(word), MAX_WORD)]
+
+
+def fold_latin(text: str) -> str:
+    """Latin letters without their diacritics, apostrophes made ASCII; case is kept."""
+    if text.isascii():
+        return text
+    folded = unicodedata.normalize("NFKD", text.replace("’", "'").translate(_EXTRA_LATIN))
+    return "".join(c for c in folded if c.isascii() and (c.isalpha() or c == "'"))
+
+
+def fold_greek(text: str) -> str:
+    """Modern lower-case Greek: one accent, diaeresis, sigma written one way, breathings dropped."""
+    simple = text.lower()
+    if not simple.strip(_GREEK_LETTERS):
+        return simple.replace("ς", "σ")
+    decomposed = unicodedata.normalize("NFD", simple)
+    kept = "".join(_ACCENTS.get(c, "") if unicodedata.combining(c) else c for c in decomposed)
+    return "".join(c for c in unicodedata.normalize("NFC", kept) if c in _GREEK_LETTERS).replace("ς", "σ")
