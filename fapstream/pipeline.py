@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from fapstream.motion import FaceTrack
 from fapstream.records import Mark, Packet, Speech, TimedPhone, TurnFormat, Utterance, Word
-from fapstream.stream import Packetizer
+from fapstream.stream import Loudness, Packetizer
 from fapstream.tts import FrontEnd
 
 DRY_PACKETS = 2
@@ -21,7 +21,11 @@ DRY_PACKETS = 2
 
 @dataclass(frozen=True, slots=True)
 class _Caption:
+    """What is said of a phrase up to the character `end`, to be shown from `word` on; `first`: its first
+    word."""
+
     word: Word
+    first: Word
     text: str
     end: int
 
@@ -34,8 +38,13 @@ class Pipeline:
         self._frontend = frontend
         self._track = FaceTrack(turn.lang, turn.sample_rate, turn.fps, seed)
         self._packetizer = Packetizer(turn)
+        self._loudness = Loudness(turn.sample_rate)
         self._text = _Text()
         self._captions: deque[_Caption] = deque()
+        self._caption_text = ""
+        self._caption_start: Word | None = None
+        self._lengths: deque[tuple[Word, list[float]]] = deque()
+        """Of every word to come: how long its phones wish to be, ms."""
         self._word: Word | None = None
         self._word_ends: list[int] = []
         self._word_samples: list[int] = []
@@ -49,7 +58,7 @@ class Pipeline:
         return self._note(self._frontend.feed(text))
 
     def hold(self) -> list[Utterance]:
-        """The text has stalled: the complete words that wait, to be spoken all the same."""
+        """The text has stalled: what fills the gap until it goes on."""
         return self._note(self._frontend.hold())
 
     def end(self) -> list[Utterance]:
@@ -58,14 +67,27 @@ class Pipeline:
 
     @property
     def pending_words(self) -> int:
-        """Complete words not yet handed out."""
+        """Words that wait for the words after them."""
         return self._frontend.pending_words
+
+    @property
+    def speaking(self) -> bool:
+        """A phrase is being spoken and waits for more text: a hold would fill the gap."""
+        return self._frontend.speaking
 
     def _note(self, utterances: list[Utterance]) -> list[Utterance]:
         for u in utterances:
             if u.words:
-                text = self._text.take(u.words[0].start, u.words[-1].end)
-                self._captions.append(_Caption(u.words[0], text, u.words[-1].end))
+                self._caption_text = (
+                    f"{self._caption_text} {self._text.take(u.words[0].start, u.words[-1].end)}"
+                )
+                self._caption_start = self._caption_start or u.words[0]
+                self._captions.append(
+                    _Caption(u.words[0], self._caption_start, self._caption_text.strip(), u.words[-1].end)
+                )
+                self._lengths += _lengths_ms(u)
+            if u.closed and not all(p.hold for p in u.phones):
+                self._caption_text, self._caption_start = "", None
         return utterances
 
     # speech side
@@ -74,7 +96,8 @@ class Pipeline:
         """Sound from the voice, and the true times of its phones."""
         self._track.add(speech.phones)
         marks = [mark for i in range(len(speech.phones)) for mark in self._marks(speech.phones, i)]
-        self._packetizer.add(speech.start, speech.pcm, marks)
+        self._loudness.add(speech.phones)
+        self._packetizer.add(speech.start, self._loudness.apply(speech.start, speech.pcm), marks)
         if speech.phones:
             self._planned_end = speech.phones[-1].end
 
@@ -110,15 +133,25 @@ class Pipeline:
         if word is not None and word is not self._word and word != self._word:
             if caption := self._caption_at(word):
                 yield self._caption(phones, i, caption)
-            end = next((p.end for p in reversed(phones) if p.text == word), timed.end)
+            end = self._word_end(phones, word)
             self._word_samples.append(timed.start)
             self._word_ends.append(word.end)
             yield Mark("word", timed.start, end - timed.start, word.text, word.start, word.end)
         self._word = word if word is not None else self._word
         length = timed.end - timed.start
+        for note in timed.phone.notes:
+            yield Mark(note.kind, timed.start, 0, note.text, note.start, note.end)
         yield Mark("phone", timed.start, length, timed.phone.name)
         if timed.phone.expression:
             yield Mark("expression", timed.start, length, timed.phone.expression)
+
+    def _word_end(self, phones: tuple[TimedPhone, ...], word: Word) -> int:
+        """Where a word ends; for those of its phones whose time is not known yet, their wish counts."""
+        ends = [p.end for p in phones if p.text == word and not p.phone.hold]
+        while self._lengths and self._lengths[0][0].start < word.start:
+            self._lengths.popleft()
+        wished = self._lengths[0][1] if self._lengths and self._lengths[0][0] == word else []
+        return ends[-1] + round(sum(wished[len(ends) :]) * self.turn.sample_rate / 1000)
 
     def _caption_at(self, word: Word) -> _Caption | None:
         """The caption that begins with this word, or with one before it that is not said."""
@@ -130,7 +163,15 @@ class Pipeline:
     def _caption(self, phones: tuple[TimedPhone, ...], i: int, caption: _Caption) -> Mark:
         ends = [p.end for p in phones[i:] if p.text is not None and p.text.end <= caption.end]
         start = phones[i].start
-        return Mark("caption", start, max(ends) - start, caption.text, caption.word.start, caption.end)
+        return Mark("caption", start, max(ends) - start, caption.text, caption.first.start, caption.end)
+
+
+def _lengths_ms(utterance: Utterance) -> list[tuple[Word, list[float]]]:
+    lengths: list[tuple[Word, list[float]]] = [(word, []) for word in utterance.words]
+    for phone in utterance.phones:
+        if phone.word >= 0:
+            lengths[phone.word][1].append(phone.duration_ms)
+    return lengths
 
 
 class _Text:

@@ -26,13 +26,11 @@ AHEAD_S = 12.0
 """The voice is given no more text while it has made this much more sound than was taken."""
 
 STALL_S = 0.06
-"""Text that pauses this long, while the listener is about to run dry, is spoken as far as it goes."""
+"""Text that pauses this long, while the listener is about to run dry, is held."""
 
-HOLD_WORDS_S = 0.25
-"""With less than this left to hear, complete words are spoken without waiting for their phrase."""
-
-HOLD_SOUND_S = 0.10
-"""With less than this left to hear, the voice gives out what it keeps back for the next phone."""
+HOLD_S = 0.10
+"""With less than this left to hear, the gap is filled: the voice gives out what it keeps back for the next
+phone, drawn out, and pauses."""
 
 
 class Talk:
@@ -48,7 +46,6 @@ class Talk:
         self._text: deque[str] = deque()
         self._pending = 0
         self._ended = False
-        self._open = False
         self._finished = False
         self._stalled_since: float | None = None
         self._text_came = asyncio.Event()
@@ -108,7 +105,7 @@ class Talk:
 
     def _dry(self) -> bool:
         """No text waits and none is being spoken beyond what the voice has given out."""
-        return not (self._text or self._open or self._ended or self._pipeline.pending_words)
+        return not (self._text or self._ended or self._pipeline.speaking)
 
     # the writer
 
@@ -122,7 +119,7 @@ class Talk:
                     await asyncio.sleep(0)
                 else:
                     await self._wait_for_text()
-                await self._speak_what_stalls()
+                await self._hold_when_dry()
             await self._speak(self._pipeline.end())
             await self._synthesizer.finish()
         finally:
@@ -131,8 +128,7 @@ class Talk:
     async def _speak(self, utterances: list[Utterance]) -> None:
         for utterance in utterances:
             await self._synthesizer.write(utterance)
-            self._open = not utterance.closed
-            self._stalled_since = asyncio.get_running_loop().time() if self._open else None
+            self._stalled_since = None
 
     def _too_far_ahead(self) -> bool:
         return self._pipeline.planned - self._pipeline.produced > AHEAD_S * self._rate
@@ -142,27 +138,21 @@ class Talk:
             await asyncio.sleep(STALL_S)
             return
         self._text_came.clear()
-        stalling = self._pipeline.pending_words or self._open
+        stalling = self._pipeline.speaking
         # not wait_for: it may lose a cancellation that comes together with the text (until Python 3.12)
         with suppress(TimeoutError):
             async with asyncio.timeout(STALL_S if stalling else None):
                 await self._text_came.wait()
 
-    async def _speak_what_stalls(self) -> None:
-        """When the listener is about to run dry: speak the words there are, then the voice's remainder."""
-        waits = self._pipeline.pending_words or self._open
-        if self._heard_s is None or self._ended or self._text or not waits:
+    async def _hold_when_dry(self) -> None:
+        """When the text has stalled inside a phrase and the listener is about to run dry."""
+        if self._heard_s is None or self._ended or self._text or not self._pipeline.speaking:
             return
         now = asyncio.get_running_loop().time()
         self._stalled_since = self._stalled_since or now
         left = self._pipeline.produced / self._rate - self._heard_s()
-        if now - self._stalled_since < STALL_S * 0.9:
-            return
-        if self._pipeline.pending_words and left < HOLD_WORDS_S:
+        if now - self._stalled_since >= STALL_S * 0.9 and left < HOLD_S:
             await self._speak(self._pipeline.hold())
-        elif self._open and left < HOLD_SOUND_S:
-            self._open = False
-            await self._synthesizer.flush()
             self._sound_came.set()
 
     # the reader

@@ -20,7 +20,7 @@ from fapstream.adapters.alignment import align, refine
 from fapstream.adapters.espeak_worker import FRAME
 from fapstream.adapters.spares import Spares, end_program
 from fapstream.errors import SynthesisError, VoiceUnavailable
-from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
+from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
 from fapstream.tts import Voice, espeak_map, phone_set
 
 WORDS_PER_MINUTE = 175
@@ -29,6 +29,8 @@ MEAN_PHONE_MS = 80.0
 RATE_LIMITS = (80, 450)
 PITCH = 50
 MAX_FRAME = 1 << 24
+MAX_OPEN_WORDS = 20
+"""A phrase this long is spoken before its end is known."""
 CLOSING_MS = 80
 
 
@@ -89,7 +91,7 @@ class EspeakProcess:
 
 
 class EspeakSynthesizer:
-    """One turn spoken by eSpeak NG, a phrase at a time."""
+    """One turn spoken by eSpeak NG, a phrase at a time: it gives each request a melody of its own."""
 
     def __init__(self, pool: EspeakPool, process: EspeakProcess, voice: Voice) -> None:
         self.sample_rate = voice.sample_rate
@@ -97,7 +99,8 @@ class EspeakSynthesizer:
         self._process = process
         self._voice = voice
         self._todo: deque[Utterance] = deque()
-        self._closed = True
+        self._open: list[Utterance] = []
+        """The beginning of a phrase."""
         self._finished = False
         self._came = asyncio.Event()
         self._clean = True
@@ -105,13 +108,15 @@ class EspeakSynthesizer:
 
     async def write(self, utterance: Utterance) -> None:
         """See the port."""
-        self._todo.append(utterance)
-        self._closed = utterance.closed
-        self._came.set()
+        self._open.append(utterance)
+        if utterance.closed or sum(len(u.words) for u in self._open) >= MAX_OPEN_WORDS:
+            self._todo.append(_joined(self._open))
+            self._open.clear()
+            self._came.set()
 
     async def flush(self) -> None:
         """See the port. Nothing is held back; a pause lets the mouth close."""
-        if not self._closed:
+        if self._open:
             await self.write(Utterance("", (Phone(SILENCE, CLOSING_MS),)))
 
     async def finish(self) -> None:
@@ -185,6 +190,18 @@ class EspeakSynthesizer:
             answer = await self._process.speak(request)
         self._clean = True
         return answer
+
+
+def _joined(utterances: Sequence[Utterance]) -> Utterance:
+    """The pieces of a phrase as one. Sounds drawn out are left out: they would become syllables."""
+    phones: list[Phone] = []
+    words: list[Word] = []
+    for utterance in utterances:
+        for phone in utterance.phones:
+            if not phone.hold or phone.name == SILENCE:
+                phones.append(phone._replace(word=phone.word + len(words)) if phone.word >= 0 else phone)
+        words += utterance.words
+    return Utterance(utterances[-1].lang, tuple(phones), tuple(words), utterances[-1].closed)
 
 
 def _request(run: Sequence[Phone], voice: Voice) -> dict[str, Any]:

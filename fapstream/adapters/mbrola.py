@@ -12,7 +12,6 @@ import os
 from collections import deque
 from collections.abc import AsyncIterator, Sequence
 from contextlib import suppress
-from itertools import pairwise
 from pathlib import Path
 from shutil import which
 
@@ -150,6 +149,8 @@ class MbrolaSynthesizer:
         self._realiser = Realiser(voice)
         self._planned = 0
         """Samples of the turn asked for."""
+        self._heard_end = voice.period
+        """Where the last phone ends."""
         self._got = 0
         """Samples of the turn received."""
         self._drop = process.owed
@@ -173,25 +174,29 @@ class MbrolaSynthesizer:
             raise self._failure
         if not utterance.phones:
             return
-        lines, ends = self._realiser.lines(utterance.phones)
-        start = origin = self._planned + self._voice.period
-        for phone, end in zip(utterance.phones, self._heard(utterance.phones, ends), strict=True):
-            word = utterance.words[phone.word] if phone.word >= 0 else None
+        written = self._realiser.write(utterance)
+        origin, start = self._planned + self._voice.period, self._heard_end
+        heard = self._heard([phone for phone, _ in written.phones], written.ends, written.following)
+        for (phone, word), end in zip(written.phones, heard, strict=True):
             self._phones.append(TimedPhone(phone, start, origin + end, word))
-            start = origin + end
-        await self._send(lines, ends[-1])
+            start = self._heard_end = origin + end
         self._closed = utterance.closed
+        if written.phones:
+            await self._send(written.lines, written.ends[-1])
         if utterance.closed:
             await self._send(FLUSH, 0)
         self._came.set()
 
-    def _heard(self, phones: Sequence[Phone], ends: Sequence[int]) -> list[int]:
+    def _heard(self, phones: Sequence[Phone], ends: Sequence[int], following: Phone | None) -> list[int]:
         """Boundaries moved to where the database's own lie in its sound, by at most half a phone."""
         heard = list(ends)
-        for i, (left, right) in enumerate(pairwise(phones)):
+        for i, (left, right) in enumerate(zip(phones, [*phones[1:], following], strict=True)):
+            if right is None:
+                break
             shift = self._voice.heard_shift(left.name, right.name)
-            most = (ends[i] - (ends[i - 1] if i else 0)) // 2
-            heard[i] += max(shift, -most) if shift < 0 else min(shift, (ends[i + 1] - ends[i]) // 2)
+            length = ends[i] - (ends[i - 1] if i else 0)
+            after = ends[i + 1] - ends[i] if i + 1 < len(ends) else length
+            heard[i] += max(shift, -(length // 2)) if shift < 0 else min(shift, after // 2)
         return heard
 
     async def flush(self) -> None:

@@ -25,7 +25,7 @@ class PhoRecorder:
     async def write(self, utterance: Utterance) -> None:
         """See the port."""
         if self._voice.engine == "mbrola":
-            self.lines.append(self._realiser.lines(utterance.phones)[0])
+            self.lines.append(self._realiser.write(utterance).lines)
         else:
             plain = [self._plain(phone) for phone in utterance.phones]
             self.lines.append(pho.lines(plain, self.sample_rate))

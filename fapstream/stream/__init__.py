@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from fapstream.stream.buffer import TurnBuffer
 from fapstream.stream.heard import Heard
+from fapstream.stream.loudness import Loudness
 from fapstream.stream.pacer import Pacer
 from fapstream.stream.packetizer import PACKET_MS, Packetizer
 from fapstream.stream.playback import Playback
 
-__all__ = ["PACKET_MS", "Heard", "Pacer", "Packetizer", "Playback", "TurnBuffer"]
+__all__ = ["PACKET_MS", "Heard", "Loudness", "Pacer", "Packetizer", "Playback", "TurnBuffer"]

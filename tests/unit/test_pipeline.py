@@ -11,14 +11,15 @@ from hypothesis import strategies as st
 
 from fapstream.pipeline import Pipeline
 from fapstream.records import SILENCE, Mark, Packet, Phone, Speech, TurnFormat, Utterance, Word
-from fapstream.tts import FrontEnd
+from fapstream.tts import PHRASE, FrontEnd, Manner
 from tests.unit.fakes import timed
 
 TEXT = 'Hello world, it is "late." \\:)300 He said: go home! No 1,234 times?'
 
 
-def pipeline(lang: str = "en", rate: int = 16000) -> Pipeline:
-    return Pipeline(TurnFormat(3, "v", lang, rate, 25), FrontEnd(lang), seed=1)
+def pipeline(lang: str = "en", rate: int = 16000, look_ahead: int = PHRASE) -> Pipeline:
+    front = FrontEnd(lang, Manner(look_ahead=look_ahead))
+    return Pipeline(TurnFormat(3, "v", lang, rate, 25), front, seed=1)
 
 
 def speeches(utterances: list[Utterance], rate: int = 16000, start: int = 0) -> list[Speech]:
@@ -180,9 +181,8 @@ def test_hold_is_set_only_where_a_dry_turn_runs_out() -> None:
 
 def test_a_packet_waits_for_the_face_that_belongs_to_it() -> None:
     """Open speech: the last phones' shapes are not settled before the next is known."""
-    line = pipeline()
-    line.feed("Well now")
-    [open_one] = line.hold()
+    line = pipeline(look_ahead=0)
+    [open_one] = line.feed("Well now ")
     assert not open_one.closed
     [speech] = speeches([open_one])
     line.add(speech)
@@ -197,24 +197,63 @@ def test_a_packet_waits_for_the_face_that_belongs_to_it() -> None:
 
 
 def test_pending_words_and_hold() -> None:
-    line = pipeline()
-    assert line.feed("one two thr") == []
-    assert line.pending_words == 2
+    line = pipeline(look_ahead=1)
+    [first] = line.feed("one two thr")
+    assert [w.text for w in first.words] == ["one"]
+    assert line.pending_words == 1
+    assert line.speaking
     [held] = line.hold()
-    assert [w.text for w in held.words] == ["one", "two"]
-    assert line.pending_words == 0
+    assert not held.words
+    assert not line.speaking
     [rest] = line.feed("ee. ")
-    assert [w.text for w in rest.words] == ["three"]
+    assert [w.text for w in rest.words] == ["two", "three"]
 
 
 def test_caption_of_a_phrase_spoken_in_two_parts() -> None:
-    line = pipeline()
-    line.feed("Good morning ")
-    utterances = line.hold() + line.feed("everyone. ")
+    """It grows: each part of a phrase shows what came before it as well, also over a hold."""
+    line = pipeline(look_ahead=0)
+    utterances = line.feed("Good morning ") + line.hold() + line.feed("everyone. ") + line.feed("Bye. ")
     for speech in speeches(utterances):
         line.add(speech)
     packets = list(line.packets(last=True))
-    assert [m.text for m in marks(packets, "caption")] == ["Good morning", "everyone."]
+    captions = marks(packets, "caption")
+    assert [m.text for m in captions] == ["Good morning", "Good morning everyone.", "Bye."]
+    assert [(m.char_start, m.char_end) for m in captions] == [(0, 12), (0, 21), (23, 26)]
+    everyone = marks(packets, "word")[2]
+    assert captions[1].sample == everyone.sample
+
+
+def test_marks_of_the_text_and_warnings() -> None:
+    packets = said("one <mark name='here'/>two <b>three.")
+    [mark], [warning] = marks(packets, "mark"), marks(packets, "warning")
+    words = marks(packets, "word")
+    assert (mark.text, mark.sample, mark.duration) == ("here", words[1].sample, 0)
+    assert (mark.char_start, mark.char_end) == (4, 23)
+    assert "<b>" in warning.text
+
+
+def test_a_word_whose_last_phone_comes_later_has_its_planned_length() -> None:
+    """A voice keeps the last phone of an open phrase back until it knows the next."""
+    line = pipeline(look_ahead=0)
+    [utterance] = line.feed("morning ")
+    phones = timed(utterance.phones, 16000, 0, utterance)
+    line.add(Speech(0, np.zeros(phones[-2].end, np.int16), phones[:-1]))
+    line.add(Speech(phones[-2].end, np.zeros(phones[-1].end - phones[-2].end, np.int16), phones[-1:]))
+    line.end()
+    [word] = marks(list(line.packets(last=True)), "word")
+    assert word.sample + word.duration == pytest.approx(phones[-1].end, abs=2)
+
+
+def test_the_sound_has_the_gain_of_its_phones() -> None:
+    def loudness(text: str) -> float:
+        line = pipeline()
+        for u in line.feed(text):
+            phones = timed(u.phones, 16000, 0, u)
+            line.add(Speech(0, np.full(phones[-1].end, 1000, np.int16), phones))
+        return float(np.concatenate([p.pcm for p in line.packets(last=True)]).max())
+
+    assert loudness("one two. ") == 1000
+    assert loudness("one <prosody volume='+6dB'>two</prosody>. ") == pytest.approx(1995, abs=2)
 
 
 def test_text_without_words_is_not_kept_in_the_way() -> None:

@@ -15,16 +15,16 @@ from fapstream.errors import SynthesisError, TextTooLong
 from fapstream.pipeline import Pipeline
 from fapstream.records import Packet, TurnFormat, Utterance
 from fapstream.talk import AHEAD_S, MAX_PENDING_TEXT, SLICE, Talk
-from fapstream.tts import FrontEnd
+from fapstream.tts import PHRASE, FrontEnd, Manner
 from tests.unit.fakes import Failing, FakeVoice, VirtualLoop, in_virtual_time
 
 RATE = 16000
 TEXT = "Hello world, it is late. \\:)300 He said: go home! The rain in Spain stays mainly in the plain. "
 
 
-def build(voice: FakeVoice, heard_s: Callable[[], float] | None = None) -> Talk:
+def build(voice: FakeVoice, heard_s: Callable[[], float] | None = None, look_ahead: int = PHRASE) -> Talk:
     turn = TurnFormat(1, "v", "en", voice.sample_rate, 25)
-    return Talk(Pipeline(turn, FrontEnd("en"), seed=1), voice, heard_s)
+    return Talk(Pipeline(turn, FrontEnd("en", Manner(look_ahead=look_ahead)), seed=1), voice, heard_s)
 
 
 async def all_packets(talk: Talk) -> list[Packet]:
@@ -86,9 +86,9 @@ async def test_an_empty_turn_ends_without_a_packet() -> None:
 
 
 @in_virtual_time
-async def test_text_that_stalls_is_spoken_and_then_flushed() -> None:
+async def test_text_that_stalls_is_held() -> None:
     voice = FakeVoice(RATE)
-    talk = build(voice, heard_s=lambda: asyncio.get_running_loop().time())
+    talk = build(voice, lambda: asyncio.get_running_loop().time(), look_ahead=0)
     talk.feed("one two thr")
     got: list[Packet] = []
 
@@ -101,13 +101,15 @@ async def test_text_that_stalls_is_spoken_and_then_flushed() -> None:
     await asyncio.sleep(0.15)
     assert [w.text for u in voice.written for w in u.words] == ["one", "two"]
     assert not voice.written[0].closed
-    assert voice.flushes == 0, "what was made is still being heard"
+    assert len(voice.written) == 1, "what was made is still being heard"
     await asyncio.sleep(2)
-    assert voice.flushes == 1
+    [hold] = voice.written[1:]
+    assert all(p.hold for p in hold.phones)
+    assert hold.closed
     assert words(got) == ["one", "two"]
     assert got[-1].hold
     await asyncio.sleep(100)
-    assert voice.flushes == 1, "flushed once, however long it stays silent"
+    assert len(voice.written) == 2, "held once, however long it stays silent"
     talk.feed("ee four.")
     talk.end()
     await listening

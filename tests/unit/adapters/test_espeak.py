@@ -16,7 +16,7 @@ from fapstream.adapters import espeak
 from fapstream.adapters.espeak import EspeakPool, EspeakProcess, EspeakSynthesizer, split_at_pauses
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, TimedPhone, Utterance
-from fapstream.tts import FrontEnd, voice
+from fapstream.tts import FrontEnd, Manner, voice
 
 pytestmark = pytest.mark.skipif(not espeak.installed(), reason="the extra `espeak` is not installed")
 
@@ -164,9 +164,7 @@ async def test_left_in_the_middle_the_worker_is_not_used_again(pool: EspeakPool)
 
 async def test_a_flush_closes_an_open_phrase(pool: EspeakPool) -> None:
     synthesizer = await pool.acquire(voice("espeak-en"))
-    front = FrontEnd("en")
-    front.feed("one two ")
-    [open_one] = front.hold()
+    [open_one] = FrontEnd("en", Manner(look_ahead=0)).feed("one two ")
     await synthesizer.write(open_one)
     await synthesizer.flush()
     await synthesizer.flush()

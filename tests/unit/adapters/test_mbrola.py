@@ -18,6 +18,7 @@ from fapstream.adapters.mbrola import MAX_RESTARTS, MbrolaPool, MbrolaProcess, M
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
 from fapstream.tts import Voice, pho, phone_set, realise, voice
+from fapstream.tts.realise import Join
 
 pytestmark = pytest.mark.skipif(shutil.which("mbrola") is None, reason="MBROLA is not installed")
 
@@ -97,7 +98,7 @@ async def test_the_program_owes_less_than_a_period_for_ever(name: str, n: int) -
         previous = SILENCE
         for k in range(n // 50):
             u = utterance(name, 49, seed=k)
-            phones = realise(u.phones, v, previous)
+            phones = realise(u.phones, v, Join(previous))
             previous = phones[-1].name
             await process.write(pho.lines(phones, v.sample_rate), sum(p.n_samples for p in phones))
             await process.write("#\n", 0)
