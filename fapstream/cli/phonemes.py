@@ -10,7 +10,7 @@ from typing import Any
 
 from fapstream.cli.arguments import rate, unicode_text
 from fapstream.records import Utterance
-from fapstream.tts import LANGUAGES, FrontEnd, default_voice, voice
+from fapstream.tts import LANGUAGES, FrontEnd, Manner, default_voice, voice
 
 HELP = "show how a text would be pronounced"
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     chosen = voice(args.voice) if args.voice else default_voice(args.lang)
     texts = _lines_of_stdin() if args.text == "-" else iter([args.text])
     for text in texts:
-        frontend = FrontEnd(args.lang, args.rate, chosen.f0_hz)
+        frontend = FrontEnd(args.lang, Manner(rate=args.rate).of(chosen))
         described = describe(text, frontend.feed(text) + frontend.end())
         if args.json or args.text == "-":
             print(json.dumps(described, ensure_ascii=False), flush=args.text == "-")

@@ -22,7 +22,7 @@ from fapstream.fap import FapSequence, format_fap
 from fapstream.pipeline import Pipeline
 from fapstream.records import FapFrame, Mark, Packet, TurnFormat
 from fapstream.talk import Talk
-from fapstream.tts import LANGUAGES, FrontEnd
+from fapstream.tts import LANGUAGES, FrontEnd, Manner
 from fapstream.viewer.sound import Sound
 
 HELP = "say a text into files or aloud"
@@ -64,7 +64,7 @@ async def _say(args: argparse.Namespace) -> None:
             sound = _sound(turn, stack) if args.play or not files else None
             sink = Sink(args, turn, stack)
             recorder = PhoRecorder(await pool.acquire(chosen), chosen)
-            pipeline = Pipeline(turn, FrontEnd(turn.lang, args.rate, chosen.f0_hz), args.seed)
+            pipeline = Pipeline(turn, FrontEnd(turn.lang, Manner(rate=args.rate).of(chosen)), args.seed)
             talk = Talk(pipeline, recorder, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
             await _run(talk, args.text, sink, sound)
             sink.finish(recorder.lines)

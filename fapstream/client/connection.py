@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
-from typing import Literal, Protocol
+from typing import Literal, Protocol, TypedDict, Unpack
 
 from websockets.asyncio.client import connect as connect_socket
 from websockets.exceptions import ConnectionClosed
@@ -35,6 +35,23 @@ class ServerError(FapstreamError):
 class _Socket(Protocol):
     async def send(self, message: bytes) -> None: ...
     async def recv(self) -> bytes | str: ...
+
+
+class Manner(TypedDict, total=False):
+    """How a turn is read: `rate`, `pitch` and `volume` are factors, 1 is the voice's own. `look_ahead`: how
+    many words after a word are waited for before it is spoken (0, 1, 2, ...; 1000: all of its phrase)."""
+
+    rate: float
+    pitch: float
+    volume: float
+    look_ahead: int
+
+
+def _in_percent(manner: Manner) -> dict[str, int]:
+    """As the protocol wants it; what is left at 1 need not be said."""
+    scales = {"rate": manner.get("rate"), "pitch": manner.get("pitch"), "volume": manner.get("volume")}
+    given = {name: round(100 * scale) for name, scale in scales.items() if scale is not None and scale != 1.0}
+    return given | ({"look_ahead": manner["look_ahead"]} if "look_ahead" in manner else {})
 
 
 class Turn:
@@ -109,22 +126,26 @@ class Talker:
         return self._ready.result()
 
     async def speak(
-        self, text: str | bytes = "", *, lang: str | None = None, voice: str | None = None, rate: float = 1.0
+        self,
+        text: str | bytes = "",
+        *,
+        lang: str | None = None,
+        voice: str | None = None,
+        **manner: Unpack[Manner],
     ) -> Turn:
         """Open a turn, with its first text if there is some already."""
         self._last += 1
         turn = self._turns[self._last] = Turn(self, self._last)
-        percent = None if rate == 1.0 else round(100 * rate)
-        await self.send(g.Speak(turn=turn.number, text=b"", lang=lang, voice=voice, rate=percent))
+        await self.send(g.Speak(turn=turn.number, text=b"", lang=lang, voice=voice, **_in_percent(manner)))
         if text:
             await turn.append(text)
         return turn
 
     async def say(
-        self, text: str, *, lang: str | None = None, voice: str | None = None, rate: float = 1.0
+        self, text: str, *, lang: str | None = None, voice: str | None = None, **manner: Unpack[Manner]
     ) -> Turn:
         """Open a turn whose text is complete."""
-        turn = await self.speak(text, lang=lang, voice=voice, rate=rate)
+        turn = await self.speak(text, lang=lang, voice=voice, **manner)
         await turn.end()
         return turn
 

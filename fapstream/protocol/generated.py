@@ -18,6 +18,7 @@ HELLO_DEADLINE_MS = 5000
 INTERRUPT_DEADLINE_MS = 2000
 PACKET_MS = 40
 MAX_FAPS = 68
+LONGEST_LOOK_AHEAD = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +54,14 @@ class Voice:
 class Mark:
     """Part of a message: mark."""
 
-    kind: Literal["phone", "word", "caption", "expression"]
-    """what begins"""
+    kind: Literal["phone", "word", "caption", "expression", "mark", "warning"]
+    """what begins, or is met in the text"""
     sample: int
     """sample of the turn at which it begins to be heard"""
     duration: int
     """samples"""
     text: str
-    """phone name, word as written, caption, or expression name"""
+    """phone name, word as written, caption, expression name, name of an SSML mark, or what is wrong with the mark-up"""
     char_start: int | None = None
     """first code point in the turn's text"""
     char_end: int | None = None
@@ -99,6 +100,12 @@ class Speak:
     """voice of this turn; read from the first fragment only"""
     rate: int | None = None
     """speaking rate in percent; read from the first fragment only"""
+    pitch: int | None = None
+    """pitch in percent of the voice's own; read from the first fragment only"""
+    volume: int | None = None
+    """loudness in percent; read from the first fragment only"""
+    look_ahead: int | None = None
+    """words after a word that are waited for before it is spoken; the server's default if absent, 1000 for the whole phrase; read from the first fragment only"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -258,12 +265,12 @@ Message = ClientMessage | ServerMessage
 
 STRUCTS: dict[str, tuple[type, tuple[FieldSpec, ...]]] = {
     "voice": (Voice, (FieldSpec(name="name", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="engine", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="description", type="str", max=200, optional=True),)),
-    "mark": (Mark, (FieldSpec(name="kind", type="str", enum=("phone", "word", "caption", "expression")), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="duration", type="int", min=0), FieldSpec(name="text", type="str", max=4096), FieldSpec(name="char_start", type="int", min=0, optional=True), FieldSpec(name="char_end", type="int", min=0, optional=True),)),
+    "mark": (Mark, (FieldSpec(name="kind", type="str", enum=("phone", "word", "caption", "expression", "mark", "warning")), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="duration", type="int", min=0), FieldSpec(name="text", type="str", max=4096), FieldSpec(name="char_start", type="int", min=0, optional=True), FieldSpec(name="char_end", type="int", min=0, optional=True),)),
 }
 
 MESSAGES: dict[str, tuple[type[Message], str, tuple[FieldSpec, ...]]] = {
     "hello": (Hello, "client", (FieldSpec(name="client", type="str", max=200, optional=True), FieldSpec(name="fps", type="int", enum=(25, 50), optional=True), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="token", type="str", max=4096, optional=True),)),
-    "speak": (Speak, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="text", type="text", max=65536), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="rate", type="int", min=25, max=400, optional=True),)),
+    "speak": (Speak, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="text", type="text", max=65536), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="rate", type="int", min=25, max=400, optional=True), FieldSpec(name="pitch", type="int", min=25, max=400, optional=True), FieldSpec(name="volume", type="int", min=0, max=400, optional=True), FieldSpec(name="look_ahead", type="int", min=0, max=1000, optional=True),)),
     "end": (End, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647),)),
     "interrupt": (Interrupt, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="heard", type="int", min=0, optional=True),)),
     "ack": (Ack, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="queue", type="int", min=0), FieldSpec(name="underruns", type="int", min=0), FieldSpec(name="skew", type="int"),)),

@@ -21,7 +21,7 @@ from fapstream.protocol.session import FAP_NUMBERS, ClientEvent, EndOfText, Serv
 from fapstream.records import TurnFormat
 from fapstream.stream import Pacer
 from fapstream.talk import MAX_PENDING_TEXT, Talk
-from fapstream.tts import FrontEnd, Voice
+from fapstream.tts import DEFAULT_LOOK_AHEAD, PHRASE, FrontEnd, Manner, Voice
 
 log = logging.getLogger("fapstream.server")
 
@@ -101,6 +101,18 @@ class _Turn:
         self.ended = True
         if self.talk:
             self.talk.end()
+
+
+def _manner(opening: g.Speak) -> Manner:
+    """How a turn wants to be read."""
+    volume = 100 if opening.volume is None else opening.volume
+    ahead = DEFAULT_LOOK_AHEAD if opening.look_ahead is None else opening.look_ahead
+    return Manner(
+        rate=(opening.rate or 100) / 100,
+        pitch=(opening.pitch or 100) / 100,
+        volume=volume / 100,
+        look_ahead=ahead if ahead < g.LONGEST_LOOK_AHEAD else PHRASE,
+    )
 
 
 class Connection:
@@ -247,10 +259,10 @@ class Connection:
     async def _speak(self, turn: _Turn) -> None:
         voice, clock = turn.voice, self._service.clock
         form = TurnFormat(turn.number, voice.name, voice.lang, voice.sample_rate, self._hello.fps or 25)
-        rate = (turn.opening.rate or 100) / 100
+        manner = _manner(turn.opening).of(voice)
         synthesizer = await self._service.voices.acquire(voice)
         pacer = turn.pacer = Pacer(voice.sample_rate)
-        pipeline = Pipeline(form, FrontEnd(voice.lang, rate, voice.f0_hz), seed=turn.number)
+        pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
         talk = Talk(pipeline, synthesizer, lambda: pacer.heard(clock.now()) / voice.sample_rate)
         self._hand_over(turn, talk)
         try:

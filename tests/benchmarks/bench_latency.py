@@ -22,7 +22,7 @@ import fapstream
 from fapstream.adapters.mbrola import LIBSTDBUF, database
 from fapstream.client import Talker
 from fapstream.records import SILENCE, Packet
-from fapstream.tts import FrontEnd, pho, realise, voice
+from fapstream.tts import FrontEnd, Manner, pho, realise, voice
 from tests.benchmarks.server import server
 
 SENTENCE = (
@@ -84,7 +84,7 @@ async def measure(address: str, runs: int) -> tuple[list[float], list[float]]:
 def mbrola_floor_ms(runs: int) -> list[float]:
     """A warm MBROLA given a ready .pho of the sentence: to its first byte."""
     us1 = voice("us1")
-    frontend = FrontEnd("en", 1.0, us1.f0_hz)
+    frontend = FrontEnd("en", Manner().of(us1))
     lines = "".join(
         pho.lines(realise(u.phones, us1), us1.sample_rate) for u in frontend.feed(SENTENCE) + frontend.end()
     )

@@ -38,7 +38,7 @@ BLOCK = 25
 
 def spoken_frames() -> list[list[int]]:
     """FAP frames of a sentence with blinks and head motion: rows of 69 values, FAP n at n."""
-    frontend = FrontEnd("en", 1.0, 200.0)
+    frontend = FrontEnd("en")
     phones = [p for u in frontend.feed(SENTENCE) + frontend.end() for p in u.phones]
     ends = [round(ms * RATE / 1000) for ms in accumulate(p.duration_ms for p in phones)]
     track = FaceTrack("en", RATE, FPS, seed=1)

@@ -138,9 +138,13 @@ export class FapHead extends HTMLElement {
     if (this.presenter.mute) throw this.presenter.mute;
     this.unlock();
     if (this.talking?.open) this.talking.end();
-    const rate = Number(this.getAttribute("rate")) || undefined;
+    const factor = (name: string) => {
+      const value = Number.parseFloat(this.getAttribute(name) ?? "");
+      return Number.isFinite(value) ? value : undefined;
+    };
+    const manner = { rate: factor("rate"), pitch: factor("pitch"), volume: factor("volume"), lookAhead: factor("look-ahead") };
     const [lang, voice] = [this.getAttribute("lang") ?? undefined, this.getAttribute("voice") ?? undefined];
-    const turn = this.presenter.conversation.speak(String(text), { lang, voice, rate, ...options });
+    const turn = this.presenter.conversation.speak(String(text), { lang, voice, ...manner, ...options });
     this.talking = turn;
     this.refresh();
     return turn;

@@ -17,6 +17,9 @@ const SILENT_MS = 30_000;
 /** Errors after which the server has forgotten the turn they name. */
 const REFUSALS = new Set(["too_many_turns", "unknown_voice", "unknown_language", "voice_unavailable"]);
 
+/** A factor as whole percent, from `least` to four times. */
+const percent = (factor: number, least: number): number => Math.round(Math.min(400, Math.max(least, factor * 100)));
+
 export interface Ports {
   send(data: Uint8Array<ArrayBuffer>): void;
   /** Close the connection; `disconnected` follows. */
@@ -110,10 +113,13 @@ export class Conversation implements TurnDesk {
 
   append(turn: Turn, bytes: Uint8Array): void {
     if (bytes.length) turn.askedAt ??= this.ports.now();
-    const { lang, voice, rate } = turn.options;
+    const { lang, voice, rate, pitch, volume, lookAhead } = turn.options;
     const wishes = {
       ...(lang && { lang }), ...(voice && { voice }),
-      ...(rate && { rate: Math.round(Math.min(4, Math.max(0.25, rate)) * 100) }),
+      ...(rate && { rate: percent(rate, 25) }),
+      ...(pitch && { pitch: percent(pitch, 25) }),
+      ...(volume !== undefined && { volume: percent(volume, 0) }),
+      ...(lookAhead !== undefined && { look_ahead: Math.round(Math.min(1000, Math.max(0, lookAhead))) }),
     };
     const step = LIMITS.max_fragment_bytes;
     for (let at = 0; at === 0 || at < bytes.length; at += step) {

@@ -7,6 +7,12 @@ export interface SpeakOptions {
   voice?: string | undefined;
   /** 1 is the voice's own speed, 2 twice as fast. */
   rate?: number | undefined;
+  /** 1 is the voice's own pitch. */
+  pitch?: number | undefined;
+  /** 1 is the voice's own loudness. */
+  volume?: number | undefined;
+  /** Words after a word that the server waits for before it speaks it; absent for the server's default. */
+  lookAhead?: number | undefined;
   /** Keep the turn open for `append`; `end` closes it. */
   open?: boolean | undefined;
 }

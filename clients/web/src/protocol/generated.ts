@@ -9,7 +9,8 @@ export const LIMITS = {
   "hello_deadline_ms": 5000,
   "interrupt_deadline_ms": 2000,
   "packet_ms": 40,
-  "max_faps": 68
+  "max_faps": 68,
+  "longest_look_ahead": 1000
 } as const;
 
 export interface FieldSpec {
@@ -38,13 +39,13 @@ export interface Voice {
 
 /** Part of a message: mark. */
 export interface Mark {
-  /** what begins */
-  kind: "phone" | "word" | "caption" | "expression";
+  /** what begins, or is met in the text */
+  kind: "phone" | "word" | "caption" | "expression" | "mark" | "warning";
   /** sample of the turn at which it begins to be heard */
   sample: number;
   /** samples */
   duration: number;
-  /** phone name, word as written, caption, or expression name */
+  /** phone name, word as written, caption, expression name, name of an SSML mark, or what is wrong with the mark-up */
   text: string;
   /** first code point in the turn's text */
   char_start?: number;
@@ -80,6 +81,12 @@ export interface Speak {
   voice?: string;
   /** speaking rate in percent; read from the first fragment only */
   rate?: number;
+  /** pitch in percent of the voice's own; read from the first fragment only */
+  pitch?: number;
+  /** loudness in percent; read from the first fragment only */
+  volume?: number;
+  /** words after a word that are waited for before it is spoken; the server's default if absent, 1000 for the whole phrase; read from the first fragment only */
+  look_ahead?: number;
 }
 
 /** The turn's text is complete. */
@@ -253,7 +260,9 @@ export const STRUCTS: Record<string, FieldSpec[]> = {
     "phone",
     "word",
     "caption",
-    "expression"
+    "expression",
+    "mark",
+    "warning"
    ]
   },
   {
@@ -356,6 +365,27 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "type": "int",
     "min": 25,
     "max": 400,
+    "optional": true
+   },
+   {
+    "name": "pitch",
+    "type": "int",
+    "min": 25,
+    "max": 400,
+    "optional": true
+   },
+   {
+    "name": "volume",
+    "type": "int",
+    "min": 0,
+    "max": 400,
+    "optional": true
+   },
+   {
+    "name": "look_ahead",
+    "type": "int",
+    "min": 0,
+    "max": 1000,
     "optional": true
    }
   ]

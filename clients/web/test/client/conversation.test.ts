@@ -52,6 +52,7 @@ describe("a turn", () => {
     connect();
     const turn = talk.speak("Καλημέρα", { lang: "el", rate: 1.5 });
     expect(of("speak")).toMatchObject([{ turn: 1, lang: "el", rate: 150 }]);
+    expect(of("speak")[0]).not.toHaveProperty("pitch");
     expect(text()).toBe("Καλημέρα");
     expect(of("end")).toHaveLength(1);
     begin(1, 10, [word(0, 3), word(5000, 8)]);
