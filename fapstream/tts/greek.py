@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 
+from fapstream.errors import DataError
 from fapstream.tts.rules import BOUNDARY, RuleSet
 from fapstream.tts.tables import read_pairs, read_rows
 
 Tokens = tuple[str, ...]
 _VOWELS = frozenset("aeiou")
+_GLIDE = ("Y",)
+_TONOS = dict(zip("αεηιουωϊϋ", "άέήίόύώΐΰ", strict=True))
+_NO_TONOS = str.maketrans({with_tonos: plain for plain, with_tonos in _TONOS.items()})
+_WITH_TONOS = frozenset(_TONOS.values())
+_SYLLABLE = re.compile("ου|αι|ει|οι|υι|[αεη]υ|[αεηιουωϊϋ]")
+_ONE_SYLLABLE = re.compile("[^αεηιουωϊϋ]+(?:ι|υ|οι|ει)(?:ου|οι|[αεοω])[νσ]?")
+"""Words that bear no tonos because their i is no syllable: μια, δυο, γεια, ποιος."""
 
 
 class Greek:
@@ -18,15 +27,17 @@ class Greek:
     def __init__(self) -> None:
         """Reads the rules. Raises DataError."""
         self._rules = RuleSet.read("el/rules.tsv")
+        self._glides = {phone: tuple(both.split()) for phone, both in read_pairs("el/glides.tsv").items()}
+        self._endings = _read_endings("el/stress.tsv")
         self._letters = {letter.upper(): name for letter, name in read_pairs("el/letters.tsv").items()}
-        functions = read_rows("el/function_words.tsv", 4)
-        self._clitics = frozenset(row[0].replace("ς", "σ") for _, row in functions)
+        clitics = [row[0].replace("ς", "σ") for _, row in read_rows("el/function_words.tsv", 4)]
+        self._clitics = frozenset(clitics) | {word.translate(_NO_TONOS) for word in clitics}
 
     def phones(self, words: Sequence[str]) -> list[Tokens]:
-        """The phones of each word of a phrase; neighbours act on each other across the gap."""
+        """The phones of each word of a phrase; a word depends on the one before and the one after it."""
         if not words:
             return []
-        plain = [self._letters.get(w, w).replace("ς", "σ") for w in words]
+        plain = [self._spelling(w) for w in words]
         text = BOUNDARY + BOUNDARY.join(plain) + BOUNDARY
         found: list[list[str]] = [[] for _ in words]
         word, end = 0, 1 + len(plain[0])
@@ -34,30 +45,62 @@ class Greek:
             while match.start >= end and word + 1 < len(plain):
                 word += 1
                 end += 1 + len(plain[word])
-            found[word].extend(match.output)
+            found[word].extend(self._glide(found[word]) if match.output == _GLIDE else match.output)
         return [self._stressed(w, tokens) for w, tokens in zip(plain, found, strict=True)]
 
-    def needs_next(self, word: str) -> bool:
-        return word[-1:] in "νσς"
-
     def path(self, word: str) -> str:
+        """Where a word's phones come from: `letter` or `rule`."""
         return "letter" if word in self._letters else "rule"
 
     def word(self, word: str) -> Tokens:
         """One word by itself."""
         return self.phones([word])[0]
 
-    def _stressed(self, word: str, tokens: list[str]) -> Tokens:
-        """Every vowel with a stress digit; content words without a tonos get one by rule.
+    def needs_next(self, word: str) -> bool:
+        """Whether the phones of `word` may depend on the word after it; False is a promise."""
+        return self._rules.looks_past(self._spelling(word))
 
-        Words in capitals bear no tonos: the last syllable but one is the best single guess.
-        """
-        vowels = [i for i, t in enumerate(tokens) if t[0] in _VOWELS]
-        marked = [t if t[-1] == "1" or i not in vowels else t + "0" for i, t in enumerate(tokens)]
-        if vowels and word not in self._clitics and not any(t[-1] == "1" for t in tokens):
-            i = vowels[max(len(vowels) - 2, 0)]
-            marked[i] = tokens[i] + "1"
-        return tuple(marked)
+    def _spelling(self, word: str) -> str:
+        """The word as the rules take it: letters by name, one sigma, a tonos where there are syllables."""
+        plain = self._letters.get(word, word).replace("ς", "σ")
+        if not _WITH_TONOS.isdisjoint(plain) or plain in self._clitics:
+            return plain
+        syllables = list(_SYLLABLE.finditer(plain))
+        if len(syllables) < 2 or _ONE_SYLLABLE.fullmatch(plain):
+            return plain
+        last = syllables[-min(self._from_end(plain), len(syllables))].end() - 1
+        return plain[:last] + _TONOS[plain[last]] + plain[last + 1 :]
+
+    def _from_end(self, word: str) -> int:
+        """Which syllable from the last has the stress, as far as the ending of a word in capitals tells."""
+        endings = (word[start:] for start in range(len(word) + 1))
+        return next(self._endings[ending] for ending in endings if ending in self._endings)
+
+    def _glide(self, before: list[str]) -> Tokens:
+        """What an i that is no syllable adds to a word; it may change the consonant before it."""
+        consonant = before.pop()
+        return self._glides.get(consonant, (consonant, "j"))
+
+    def _stressed(self, word: str, tokens: list[str]) -> Tokens:
+        """Every vowel with a stress digit; of content words without a tonos the first has the stress."""
+        vowels = [i for i, t in enumerate(tokens) if t in _VOWELS]
+        content = word not in self._clitics and len(vowels) == sum(t[0] in _VOWELS for t in tokens)
+        for i in vowels:
+            tokens[i] += "0"
+        if vowels and content:
+            tokens[vowels[0]] = tokens[vowels[0]][0] + "1"
+        return tuple(tokens)
+
+
+def _read_endings(path: str) -> dict[str, int]:
+    """Ending -> syllable from the last; the empty ending must be there. Raises DataError."""
+    try:
+        endings = {ending: int(syllable) for ending, syllable in read_pairs(path).items()}
+    except ValueError as error:
+        raise DataError(path, None, str(error)) from error
+    if "" not in endings or min(endings.values()) < 1:
+        raise DataError(path, None, "the empty ending is missing, or a syllable is less than 1")
+    return endings
 
 
 @cache

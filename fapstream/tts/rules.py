@@ -1,11 +1,11 @@
 """Ordered four-part rewrite rules: left context, text, right context, output. The first that matches wins.
 
-The rules of a table are compiled into one regular expression whose alternatives are the rules in order, so
-that a whole string is rewritten in one pass of the matcher. Symbols are single characters; a table over
+The rules that begin with the same symbol are compiled into one regular expression whose alternatives are the
+rules in order, so that at each place one call of the matcher finds the rule. Symbols are single characters; a table over
 phones is handed an `encode` that names the character, or the several characters, that a phone stands for.
 
 A context is a sequence of items separated by blanks: a symbol, a class defined by a line
-`class NAME symbol ...` (several symbols wide alternatives are allowed on the right only), `!item` for
+`class NAME symbol ...` (its symbols may be several characters wide; a second line adds to it), `!item` for
 anything else, `item*` for any number (right only), and `#` for a word boundary.
 """
 
@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
 
 from fapstream.errors import DataError
 from fapstream.tts.tables import read_rows
@@ -21,8 +22,7 @@ from fapstream.tts.tables import read_rows
 BOUNDARY = " "
 
 
-@dataclass(frozen=True, slots=True)
-class Match:
+class Match(NamedTuple):
     """Symbols [start, end) of the input became `output`."""
 
     start: int
@@ -53,17 +53,23 @@ class RuleSet:
         self._classes: dict[str, list[str]] = {}
         for name, symbols in classes.items():
             self._classes[name] = [s for symbol in symbols.split() for s in self._symbols(symbol)]
-        self._outputs: list[tuple[str, ...]] = []
-        patterns = []
+        begin: dict[str, list[tuple[str, tuple[str, ...]]]] = {}
+        past = []
         for line, (left, text, right, output) in rules:
             try:
                 pattern = self._pattern(left, text, right) + "()"
                 re.compile(pattern)
-            except (KeyError, ValueError, re.error) as error:
+                first = {s[0] for s in self._symbols(text.split()[0])}
+                past += self._past(left, text, right)
+            except (KeyError, IndexError, ValueError, re.error) as error:
                 raise DataError(path, line, f"cannot understand the rule ({error})") from error
-            patterns.append(pattern)
-            self._outputs.append(tuple(output.split()))
-        self._regex = re.compile("|".join(patterns)) if patterns else re.compile("(?!)")
+            for symbol in first:
+                begin.setdefault(symbol, []).append((pattern, tuple(output.split())))
+        self._by_symbol = {
+            symbol: (re.compile("|".join(p for p, _ in rules)).match, [output for _, output in rules])
+            for symbol, rules in begin.items()
+        }
+        self._past_end = re.compile("|".join(past) or "(?!)")
 
     @classmethod
     def read(cls, path: str) -> RuleSet:
@@ -76,35 +82,71 @@ class RuleSet:
         for line, (left, text, right, output) in read_rows(path, 4):
             if left.startswith("class "):
                 name, _, symbols = left.removeprefix("class ").partition(" ")
-                classes[name] = symbols
+                classes[name] = f"{classes.get(name, '')} {symbols}"
             else:
                 rules.append((line, (left, text, right, output)))
         return cls(rules, classes, path=path)
 
     def apply(self, text: str, at: int = 0) -> Iterator[Match]:
         """The rewriting of `text` from `at` on, left to right; symbols no rule matches are passed over."""
-        outputs = self._outputs
-        for found in self._regex.finditer(text, at):
-            yield Match(*found.span(), outputs[(found.lastindex or 1) - 1])
+        by_symbol, n = self._by_symbol, len(text)
+        while at < n:
+            rules = by_symbol.get(text[at])
+            found = rules[0](text, at) if rules else None
+            if rules and found:
+                end = found.end()
+                yield Match(at, end, rules[1][(found.lastindex or 1) - 1])
+                at = end
+            else:
+                at += 1
+
+    def looks_past(self, word: str) -> bool:
+        """Whether what follows can matter to a word: if not, no following word changes its rewriting."""
+        return self._past_end.search(BOUNDARY + word + BOUNDARY) is not None
+
+    def _past(self, left: str, text: str, right: str) -> list[str]:
+        """The words at whose end this rule looks past the boundary, as a pattern; none if it never does."""
+        items = text.split() + right.split()
+        end = items.index("#") if "#" in items else 0
+        if not 0 < end < len(items) - 1:
+            return []
+        before = left.split()
+        while "#" in before[1:]:  # what the word before is like is not known
+            before = before[1:]
+        return [self._pattern(" ".join(before), " ".join(items[:end]), "") + re.escape(BOUNDARY) + r"\Z"]
 
     def _pattern(self, left: str, text: str, right: str) -> str:
         middle = "".join(self._item(item) for item in text.split())
         # Text first, contexts after it, the group that tells the rules apart last: so every alternative
         # begins with a literal, by which the matcher discards most of them at one glance.
-        before = f"(?<={''.join(self._item(i) for i in left.split())}{middle})" if left.strip() else ""
+        before = self._before(left.split(), middle) if left.strip() else ""
         after = f"(?={''.join(self._item(i) for i in right.split())})" if right.strip() else ""
         return middle + before + after
+
+    def _before(self, items: list[str], middle: str) -> str:
+        """Looks behind past the text: once for each width of the context, as the matcher wants it fixed."""
+        behind = [f"(?<={''.join(parts)}{middle})" for parts in product(*map(self._by_width, items))]
+        return behind[0] if len(behind) == 1 else f"(?:{'|'.join(behind)})"
+
+    def _by_width(self, item: str) -> list[str]:
+        """The alternatives of an item, those of one width together."""
+        if item.startswith("!") or item.endswith("*"):
+            return [self._item(item)]
+        names = self._symbols(item)
+        return [self._any([n for n in names if len(n) == width]) for width in sorted(set(map(len, names)))]
 
     def _item(self, item: str) -> str:
         if item.startswith("!"):
             singles = "".join(re.escape(s) for s in self._symbols(item[1:]))
             return f"[^{singles}]"
-        repeat = "*" if item.endswith("*") else ""
-        symbols = self._symbols(item.removesuffix("*"))
-        if all(len(s) == 1 for s in symbols):
-            one = "".join(re.escape(s) for s in symbols)
-            return (f"[{one}]" if len(symbols) > 1 else one) + repeat
-        return f"(?:{'|'.join(re.escape(s) for s in symbols)}){repeat}"
+        return self._any(self._symbols(item.removesuffix("*"))) + ("*" if item.endswith("*") else "")
+
+    @staticmethod
+    def _any(symbols: list[str]) -> str:
+        escaped = [re.escape(s) for s in symbols]
+        if len(symbols) == 1:
+            return escaped[0] if len(symbols[0]) == 1 else f"(?:{escaped[0]})"
+        return f"[{''.join(escaped)}]" if all(len(s) == 1 for s in symbols) else f"(?:{'|'.join(escaped)})"
 
     def _symbols(self, name: str) -> list[str]:
         if name == "#":

@@ -56,3 +56,30 @@ def test_no_rules_match_nothing() -> None:
 
 def test_the_greek_table_reads() -> None:
     assert list(RuleSet.read("el/rules.tsv").apply(" ου "))[1].output == ("u",)
+
+
+def test_left_alternatives_of_several_widths() -> None:
+    rules = [("# STEM C", "i", "a", "Y"), ("", "i", "", "i")]
+    classes = {"STEM": "p pal", "C": "l n"}
+    assert rewrite(rules, " plia ", **classes) == ["Y"]
+    assert rewrite(rules, " palnia ", **classes) == ["Y"]
+    assert rewrite(rules, " alia ", **classes) == ["i"]
+
+
+def test_which_words_a_rule_looks_past() -> None:
+    rules = [
+        ("# t o", "n", "# p", "m"),
+        ("", "s", "C* # z", "z"),
+        ("", "a", "b #", "A"),
+        ("x #", "p", "", "b"),
+    ]
+    table = RuleSet(enumerate(rules, 1), {"C": "t k"})
+    assert [word for word in ("ton", "on", "as", "astk", "asb", "ab", "p") if table.looks_past(word)] == [
+        "ton",
+        "as",
+        "astk",
+    ]
+
+
+def test_a_context_in_the_word_before_does_not_hide_a_look_past_the_end() -> None:
+    assert RuleSet([(1, ("x # t o", "n", "# p", "m"))], {}).looks_past("ton")
