@@ -16,11 +16,13 @@ from fapstream.adapters.audio import AudioUnavailable, Output
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.record import PhoRecorder
 from fapstream.adapters.stdin import READ_BYTES, chunks
-from fapstream.cli.arguments import rate, unicode_text
+from fapstream.cli.arguments import unicode_text
+from fapstream.cli.describe import described, lines
+from fapstream.cli.manner import add_manner, manner
 from fapstream.errors import InputError
 from fapstream.fap import FapSequence, format_fap
 from fapstream.pipeline import Pipeline
-from fapstream.records import FapFrame, Mark, Packet, TurnFormat
+from fapstream.records import FapFrame, Mark, Packet, TurnFormat, Utterance
 from fapstream.talk import Talk
 from fapstream.tts import LANGUAGES, FrontEnd, Manner
 from fapstream.viewer.sound import Sound
@@ -32,18 +34,24 @@ TURN = 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """TEXT, --lang, --voice, --rate, --fps, --wav, --fap, --pho, --marks, --play."""
+    """TEXT, --lang, --voice, --fps, --wav, --fap, --pho, --marks, --explain, --play, and how it is read."""
     parser.add_argument("text", type=unicode_text, help="the text; `-` reads it from stdin as it arrives")
     parser.add_argument("--lang", choices=LANGUAGES, help="language (default: the voice's, or en)")
     parser.add_argument("--voice", help="voice, see `fapstream voices`")
-    parser.add_argument("--rate", type=rate, default=1.0, help="speaking rate, 1 is normal")
     parser.add_argument("--fps", type=int, choices=(25, 50), default=25, help="FAP frames a second")
     parser.add_argument("--wav", type=Path, metavar="F", help="write the sound")
     parser.add_argument("--fap", type=Path, metavar="F", help="write the face as an MPEG-4 FAP file")
     parser.add_argument("--pho", type=Path, metavar="F", help="write phones, durations and pitch for MBROLA")
     parser.add_argument("--marks", type=Path, metavar="F", help="write phone, word and caption times as JSON")
+    parser.add_argument(
+        "--explain", action="store_true",
+        help="print for each word how it was read and where its phones come from: your lexicon (user), the "
+        "language's (lexicon), its stem and ending (stem), two words in one (compound), letter-to-sound trees "
+        "(tree), rules (rule), or the name of a letter (letter)",
+    )  # fmt: skip
     parser.add_argument("--play", action="store_true", help="play it (the default if no file is asked for)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks and head motion")
+    add_manner(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -54,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
 
 async def _say(args: argparse.Namespace) -> None:
     pool = VoicePool()
-    files = any((args.wav, args.fap, args.pho, args.marks))
+    files = any((args.wav, args.fap, args.pho, args.marks, args.explain))
     try:
         chosen = pool.find(args.voice, args.lang)
         if args.lang and args.lang != chosen.lang:
@@ -64,7 +72,9 @@ async def _say(args: argparse.Namespace) -> None:
             sound = _sound(turn, stack) if args.play or not files else None
             sink = Sink(args, turn, stack)
             recorder = PhoRecorder(await pool.acquire(chosen), chosen)
-            pipeline = Pipeline(turn, FrontEnd(turn.lang, Manner(rate=args.rate).of(chosen)), args.seed)
+            wished = manner(args, turn.lang, args.text != "-").of(chosen)
+            frontend = Explained(turn.lang, wished, args.explain)
+            pipeline = Pipeline(turn, frontend, args.seed)
             talk = Talk(pipeline, recorder, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
             await _run(talk, args.text, sink, sound)
             sink.finish(recorder.lines)
@@ -138,6 +148,28 @@ async def _feed_when_room(talk: Talk, text: str) -> None:
     while talk.room < len(text):
         await asyncio.sleep(0.01)
     talk.feed(text)
+
+
+class Explained(FrontEnd):
+    """A front-end that prints what it makes of each word."""
+
+    def __init__(self, lang: str, wished: Manner, aloud: bool) -> None:
+        super().__init__(lang, wished)
+        self._aloud = aloud
+
+    def feed(self, text: str) -> list[Utterance]:
+        """See FrontEnd."""
+        return self._explained(super().feed(text))
+
+    def end(self) -> list[Utterance]:
+        """See FrontEnd."""
+        return self._explained(super().end())
+
+    def _explained(self, utterances: list[Utterance]) -> list[Utterance]:
+        if self._aloud:
+            for line in lines(described(self, utterances)):
+                print(line, flush=True)
+        return utterances
 
 
 class Sink:

@@ -7,6 +7,7 @@ from fapstream.tts.frontend import FrontEnd
 from fapstream.tts.manner import DEFAULT_LOOK_AHEAD, PHRASE, Manner, read_lexicon, read_profile
 from fapstream.tts.pho import Realiser
 from fapstream.tts.realise import VoicePhone, lengths, realise
+from fapstream.tts.sounds import syllables
 from fapstream.tts.tables import LANGUAGES, PhoneInfo, phone_set
 from fapstream.tts.voices import Voice, default_voice, voice, voices
 
@@ -28,6 +29,7 @@ __all__ = [
     "read_lexicon",
     "read_profile",
     "realise",
+    "syllables",
     "voice",
     "voices",
 ]

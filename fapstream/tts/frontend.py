@@ -200,7 +200,7 @@ class FrontEnd:
         for k in range(count):
             word, item = spoken[k]
             whole = k + 1 == len(spoken) or spoken[k + 1][1] is not item
-            function = word in lang.function_words
+            function = lang.is_weak(word, item.text)
             sounds = [table[token] for token in phones[k]]
             planned.append(PlannedWord(item, sounds, function, word in lang.cut_before, whole))
         self._planner.add(planned, lang.asks_with_word(self._opening))

@@ -33,6 +33,12 @@ class Language:
     function_words: frozenset[str]
     cut_before: frozenset[str]
     question_words: frozenset[str]
+    numerals: frozenset[str]
+    """Words for the numbers up to nineteen."""
+
+    def is_weak(self, word: Spoken, written: str) -> bool:
+        """Whether a spoken word bears no accent: a function word, but not where it was written in digits."""
+        return word in self.function_words and (word not in self.numerals or written.isalpha())
 
     def asks_with_word(self, spoken: Sequence[Spoken]) -> bool:
         """Whether a question has a question word near its beginning, and so does not rise at its end."""
@@ -46,7 +52,8 @@ def language(name: str) -> Language:
     rows = [row for _, row in read_rows(f"{name}/function_words.tsv", 4)]
     vocabulary = Vocabulary(f"{name}/vocabulary.tsv")
     speller = Speller(_is_english_word)
-    readers = Readers(Numerals(name), vocabulary, speller.words).table()
+    numerals = Numerals(name)
+    readers = Readers(numerals, vocabulary, speller.words).table()
     patterns = Patterns(f"{name}/patterns.tsv", vocabulary, readers)
     normalise = Normaliser(vocabulary, patterns, speller)
     segmenter = Segmenter(name, vocabulary.ends)
@@ -66,6 +73,7 @@ def language(name: str) -> Language:
         function_words=frozenset(_sigma(row[0]) for row in rows),
         cut_before=frozenset(_sigma(row[0]) for row in rows if row[2] == "before"),
         question_words=question_words(name),
+        numerals=frozenset(numerals.units),
     )
 
 

@@ -23,6 +23,12 @@ class Numerals:
         self._t: dict[str, Any] = tomllib.loads(read_text(f"{lang}/numbers.toml"))
         self.decimal_mark: str = self._t["decimal_mark"]
 
+    @property
+    def units(self) -> list[str]:
+        """The numbers from nought to nineteen in every gender."""
+        genders = [v for key, table in self._t.items() if key.startswith("units_") for v in table.values()]
+        return [*self._t["units"], *genders]
+
     def gender_between(self, before: str, after: str, number: str) -> str:
         """The gender that the ending of the counted noun asks for, as far as the words around can tell."""
         table = "gender_of_one" if number == "1" else "gender_of"
