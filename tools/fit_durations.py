@@ -129,11 +129,15 @@ class Fit:
 def report(name: str, fit: Fit, words: Sequence[Spoken]) -> None:
     """Error and correlation."""
     ours, real = fit.planned(words)
-    print(f"{name}: RMSE {fit.error(words):.1f} ms, r {np.corrcoef(ours, real)[0, 1]:.3f}, {len(ours)} phones")
+    print(
+        f"{name}: RMSE {fit.error(words):.1f} ms, r {np.corrcoef(ours, real)[0, 1]:.3f}, {len(ours)} phones"
+    )
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--rounds", type=int, default=12)
     parser.add_argument("--firm", type=float, default=1.0)
@@ -149,7 +153,11 @@ def main() -> None:
     report("after, held out", fit, held)
     factors, means = fit.tables()
     for name, value in factors.items():
-        print(f"{name} = {value:.2f}" if not isinstance(value, dict) else f"{name} = { {k: round(v, 2) for k, v in value.items()} }")
+        print(
+            f"{name} = {value:.2f}"
+            if not isinstance(value, dict)
+            else f"{name} = { {k: round(v, 2) for k, v in value.items()} }"
+        )
     for name, mean in means.items():
         print(f"{name}\t{phone_set(LANG)[name].mean_ms:.0f}\t{mean:.0f}")
 

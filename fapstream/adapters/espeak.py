@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import json
+import math
 import sys
 from collections import deque
 from collections.abc import AsyncIterator, Sequence
@@ -28,6 +29,8 @@ MEAN_PHONE_MS = 80.0
 """How long a phone lasts on average at that rate; eSpeak's rate is set from what our phones wish for."""
 RATE_LIMITS = (80, 450)
 PITCH = 50
+USUAL_PITCH = 0.12
+"""A phrase whose mean pitch is this near to the voice's own is in its own pitch."""
 MAX_FRAME = 1 << 24
 MAX_OPEN_WORDS = 20
 """A phrase this long is spoken before its end is known."""
@@ -206,7 +209,16 @@ def _joined(utterances: Sequence[Utterance]) -> Utterance:
 
 def _request(run: Sequence[Phone], voice: Voice) -> dict[str, Any]:
     text = espeak_map.bracketed(run, voice)
-    return {"voice": voice.engine_voice, "text": text, "rate": WORDS_PER_MINUTE, "pitch": PITCH}
+    return {"voice": voice.engine_voice, "text": text, "rate": WORDS_PER_MINUTE, "pitch": _pitch(run, voice)}
+
+
+def _pitch(run: Sequence[Phone], voice: Voice) -> int:
+    """eSpeak NG's pitch, whose scale of 100 is two octaves; its own melody stays within the usual."""
+    planned = [p.pitch[0][1] for p in run if p.pitch]
+    ratio = sum(planned) / len(planned) / voice.f0_hz if planned else 1.0
+    if abs(ratio - 1.0) < USUAL_PITCH:
+        return PITCH
+    return round(min(max(PITCH + 50 * math.log2(ratio), 0), 99))
 
 
 def split_at_pauses(phones: Sequence[Phone]) -> list[list[Phone]]:

@@ -16,12 +16,14 @@ from fapstream.adapters.audio import AudioUnavailable, Output
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.record import PhoRecorder
 from fapstream.adapters.stdin import READ_BYTES, chunks
+from fapstream.adapters.timed import TimedVoice
 from fapstream.cli.arguments import unicode_text
 from fapstream.cli.describe import described, lines
 from fapstream.cli.manner import add_manner, manner
 from fapstream.errors import InputError
 from fapstream.fap import FapSequence, format_fap
 from fapstream.pipeline import Pipeline
+from fapstream.ports import Synthesizer
 from fapstream.records import FapFrame, Mark, Packet, TurnFormat, Utterance
 from fapstream.talk import Talk
 from fapstream.tts import LANGUAGES, FrontEnd, Manner
@@ -49,6 +51,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "language's (lexicon), its stem and ending (stem), two words in one (compound), letter-to-sound trees "
         "(tree), rules (rule), or the name of a letter (letter)",
     )  # fmt: skip
+    parser.add_argument(
+        "--timed", type=Path, metavar="F.jsonl",
+        help="take the voice from a file: JSON lines with sample_rate, then phones with start and duration in "
+        "seconds, and pcm; TEXT is what it says",
+    )  # fmt: skip
+    parser.add_argument(
+        "--voice-program", metavar="COMMAND",
+        help="speak with a program of your own: it is given the planned phones as JSON lines, and answers with "
+        "lines as in --timed",
+    )  # fmt: skip
     parser.add_argument("--play", action="store_true", help="play it (the default if no file is asked for)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks and head motion")
     add_manner(parser)
@@ -64,22 +76,36 @@ async def _say(args: argparse.Namespace) -> None:
     pool = VoicePool()
     files = any((args.wav, args.fap, args.pho, args.marks, args.explain))
     try:
+        turn, wished, synthesizer = await _voice(args, pool)
+        with ExitStack() as stack:
+            sound = _sound(turn, stack) if args.play or not files else None
+            sink = Sink(args, turn, stack)
+            pipeline = Pipeline(turn, Explained(turn.lang, wished, args.explain), args.seed)
+            talk = Talk(pipeline, synthesizer, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
+            await _run(talk, args.text, sink, sound)
+            sink.finish(synthesizer.lines if isinstance(synthesizer, PhoRecorder) else [])
+    finally:
+        await pool.aclose()
+
+
+async def _voice(args: argparse.Namespace, pool: VoicePool) -> tuple[TurnFormat, Manner, Synthesizer]:
+    """The turn's format, how it is to be read, and who reads it."""
+    complete = args.text != "-"
+    if not (args.timed or args.voice_program):
         chosen = pool.find(args.voice, args.lang)
         if args.lang and args.lang != chosen.lang:
             raise InputError(f"the voice {chosen.name} speaks {chosen.lang}, not {args.lang}")
         turn = TurnFormat(TURN, chosen.name, chosen.lang, chosen.sample_rate, args.fps)
-        with ExitStack() as stack:
-            sound = _sound(turn, stack) if args.play or not files else None
-            sink = Sink(args, turn, stack)
-            recorder = PhoRecorder(await pool.acquire(chosen), chosen)
-            wished = manner(args, turn.lang, args.text != "-").of(chosen)
-            frontend = Explained(turn.lang, wished, args.explain)
-            pipeline = Pipeline(turn, frontend, args.seed)
-            talk = Talk(pipeline, recorder, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
-            await _run(talk, args.text, sink, sound)
-            sink.finish(recorder.lines)
-    finally:
-        await pool.aclose()
+        wished = manner(args, chosen.lang, complete).of(chosen)
+        return turn, wished, PhoRecorder(await pool.acquire(chosen), chosen)
+    if args.voice or args.pho or (args.timed and args.voice_program):
+        raise InputError(
+            "--timed, --voice-program and --voice are three voices, and only the last writes --pho"
+        )
+    lang = args.lang or LANGUAGES[0]
+    opened = TimedVoice.read(args.timed, lang) if args.timed else TimedVoice.run(args.voice_program, lang)
+    voice = await opened
+    return TurnFormat(TURN, "timed", lang, voice.sample_rate, args.fps), manner(args, lang, complete), voice
 
 
 def _sound(turn: TurnFormat, stack: ExitStack) -> Sound:

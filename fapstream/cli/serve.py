@@ -13,6 +13,7 @@ from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.pool import VoicePool
 from fapstream.cli.arguments import port
 from fapstream.cli.heads import servable
+from fapstream.cli.manner import add_manner, manner
 from fapstream.errors import InputError, SynthesisError
 from fapstream.server import Service, Site, running
 from fapstream.tts import LANGUAGES
@@ -22,7 +23,7 @@ PORT = 8765
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """--host, --port, --voice, --lang, --head, --verbose."""
+    """--host, --port, --voice, --lang, --head, --verbose, and how turns are read that do not say otherwise."""
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen on (default: this machine only)"
     )
@@ -35,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--head", action="append", default=[], metavar="NAME|F.glb|F.vrm",
         help="head that pages show unless they ask for another; more can be given and asked for by name",
     )  # fmt: skip
+    add_manner(parser)
     parser.add_argument("--verbose", action="store_true", help="log every connection")
 
 
@@ -51,8 +53,9 @@ async def _serve(args: argparse.Namespace, heads: dict[str, Traversable]) -> Non
     pool = VoicePool()
     if args.voice:
         pool.find(args.voice, None)
+    wished = manner(args, args.lang, complete=False)
     site = Site(heads)
-    service = Service(pool, MonotonicClock(), lambda: site.heads, args.lang, args.voice)
+    service = Service(pool, MonotonicClock(), lambda: site.heads, args.lang, args.voice, wished)
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):

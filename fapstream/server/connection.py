@@ -7,7 +7,7 @@ import logging
 import secrets
 from collections.abc import Callable
 from contextlib import aclosing, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
 from websockets.exceptions import ConnectionClosed
@@ -66,6 +66,8 @@ class Service:
     heads: Callable[[], tuple[str, ...]]
     lang: str = "en"
     voice: str | None = None
+    manner: Manner = Manner(look_ahead=DEFAULT_LOOK_AHEAD)
+    """How turns are read that do not say otherwise; its lexicon is for `lang` only."""
 
 
 @dataclass(slots=True)
@@ -103,15 +105,17 @@ class _Turn:
             self.talk.end()
 
 
-def _manner(opening: g.Speak) -> Manner:
+def _manner(opening: g.Speak, service: Service, lang: str) -> Manner:
     """How a turn wants to be read."""
-    volume = 100 if opening.volume is None else opening.volume
-    ahead = DEFAULT_LOOK_AHEAD if opening.look_ahead is None else opening.look_ahead
-    return Manner(
-        rate=(opening.rate or 100) / 100,
-        pitch=(opening.pitch or 100) / 100,
-        volume=volume / 100,
-        look_ahead=ahead if ahead < g.LONGEST_LOOK_AHEAD else PHRASE,
+    usual = service.manner
+    ahead = opening.look_ahead
+    return replace(
+        usual,
+        rate=usual.rate if opening.rate is None else opening.rate / 100,
+        pitch=usual.pitch if opening.pitch is None else opening.pitch / 100,
+        volume=usual.volume if opening.volume is None else opening.volume / 100,
+        look_ahead=usual.look_ahead if ahead is None else ahead if ahead < g.LONGEST_LOOK_AHEAD else PHRASE,
+        lexicon=usual.lexicon if lang == service.lang else {},
     )
 
 
@@ -259,7 +263,7 @@ class Connection:
     async def _speak(self, turn: _Turn) -> None:
         voice, clock = turn.voice, self._service.clock
         form = TurnFormat(turn.number, voice.name, voice.lang, voice.sample_rate, self._hello.fps or 25)
-        manner = _manner(turn.opening).of(voice)
+        manner = _manner(turn.opening, self._service, voice.lang).of(voice)
         synthesizer = await self._service.voices.acquire(voice)
         pacer = turn.pacer = Pacer(voice.sample_rate)
         pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)

@@ -16,7 +16,7 @@ from fapstream.tts.voices import Voice
 PHRASE = 1_000_000
 """A look-ahead so long that it ends at the phrase's end."""
 
-DEFAULT_LOOK_AHEAD = 1
+DEFAULT_LOOK_AHEAD = 0
 """What a text that is still being written is read with, if nobody says otherwise."""
 
 SCALES = (0.25, 4.0)

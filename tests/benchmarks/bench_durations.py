@@ -134,7 +134,9 @@ def show(name: str, value: Any, indent: str = "") -> None:
     if not isinstance(value, dict):
         print(f"{indent}{name:<24}{value:>10}")
     elif "rmse_ms" in value:
-        print(f"{indent}{name:<12} n {value['n']:>6}  RMSE {value['rmse_ms']:>6.1f} ms  r {value['correlation']:>6.3f}")
+        print(
+            f"{indent}{name:<12} n {value['n']:>6}  RMSE {value['rmse_ms']:>6.1f} ms  r {value['correlation']:>6.3f}"
+        )
     else:
         print(f"{indent}{name}")
         for key, inner in value.items():
@@ -143,7 +145,9 @@ def show(name: str, value: Any, indent: str = "") -> None:
 
 def main() -> None:
     """Print the tables, or one JSON object."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--grid", type=Path, metavar="DIRECTORY")
     parser.add_argument("--sentences", type=int, default=200, help="of the recordings")

@@ -79,7 +79,9 @@ def speed(runs: int) -> dict[str, float]:
         contestants[f"{lang}_words_per_s_streamed"] = ours(lang, DEFAULT_LOOK_AHEAD)
         if espeak.available():
             words = text(lang)
-            contestants[f"espeak_{lang}_words_per_s"] = lambda words=words, lang=lang: espeak.seconds(words, lang)  # type: ignore[misc]
+            contestants[f"espeak_{lang}_words_per_s"] = lambda words=words, lang=lang: espeak.seconds(
+                words, lang
+            )  # type: ignore[misc]
             contestants[f"espeak_{lang}_start_s"] = lambda lang=lang: espeak.seconds("a", lang)  # type: ignore[misc]
     times: dict[str, list[float]] = {name: [] for name in contestants}
     for _ in range(runs):
@@ -170,14 +172,18 @@ def show(figures: dict[str, Any]) -> None:
             cells = "  ".join(f"{k} {v:.4f}" for k, v in row.items() if isinstance(v, float))
             print(f"{table} {name:<18}{row['words']:>7} words  {cells}")
             if "differences" in row:
-                print("   differences, strictly:", ", ".join(f"{k} {v}" for k, v in row["differences"].items()))
+                print(
+                    "   differences, strictly:", ", ".join(f"{k} {v}" for k, v in row["differences"].items())
+                )
     if "greek" not in figures:
         print("greek: say where the list is: --greek-list greek_wikipron_dev.tsv")
 
 
 def main() -> None:
     """Print the tables, or one JSON object."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--runs", type=int, default=15)
     parser.add_argument("--words", type=int, default=0, help="held-out English words to take; 0 for all")

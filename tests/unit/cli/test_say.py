@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import os
+import sys
 import wave
 from pathlib import Path
 from typing import Any, ClassVar
@@ -208,3 +210,60 @@ def test_a_wrong_call_exits_2(argv: list[str]) -> None:
 def test_stdin_is_not_read_for_a_text_given(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("never"))
     assert main(["say", "Hello.", *files.options]) == 0
+
+
+def test_explain_says_where_phones_come_from(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    lexicon = tmp_path / "l.tsv"
+    lexicon.write_text("fapstream\tf { p s t r i1 m\n")
+    text = "Hello fapstream, it is 21:45 γεια."
+    assert main(["say", text, "--voice=espeak-en", "--explain", f"--lexicon={lexicon}"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")]
+    assert {row[0]: row[3] for row in rows} == {
+        "Hello": "lexicon", "fapstream": "user", "it": "lexicon", "is": "lexicon", "21:45": "lexicon", "γεια": "rule",
+    }  # fmt: skip
+
+
+def test_a_voice_program_and_a_file_of_timed_phones(files: Files, tmp_path: Path) -> None:
+    program = Path(__file__).parents[2] / "e2e" / "sine_voice.py"
+    assert main(["say", "Hello there.", f"--voice-program={sys.executable} {program}", *files.options[:2],
+                 files.options[3]]) == 0  # fmt: skip
+    rate, pcm = files.sound()
+    assert rate == 16000
+    described = files.described()
+    assert [m["text"] for m in described["marks"] if m["kind"] == "word"] == ["Hello", "there"]
+    marks = [m for m in described["marks"] if m["kind"] == "phone"]
+    rows = [{"sample_rate": rate}]
+    rows += [
+        {"phone": m["text"], "start": m["sample"] / rate, "duration": m["duration"] / rate} for m in marks
+    ]
+    rows += [{"pcm": base64.b64encode(pcm.astype("<i2").tobytes()).decode()}]
+    timed = tmp_path / "t.jsonl"
+    timed.write_text("\n".join(map(json.dumps, rows)))
+    face = files.fap.read_bytes()
+    assert main(["say", "Hello there.", f"--timed={timed}", *files.options[:2], files.options[3]]) == 0
+    assert np.array_equal(files.sound()[1], pcm)
+    assert files.fap.read_bytes() == face, "the same phones at the same times make the same face"
+
+
+@pytest.mark.parametrize(
+    "options", [["--timed=a", "--voice-program=b"], ["--timed=a", "--pho=b"], ["--timed=a", "--voice=us1"]]
+)
+def test_three_voices_at_once_are_refused(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["say", "a", *options]) == 1
+    assert "three voices" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", VOICES)
+def test_volume_and_pitch_are_heard(name: str, files: Files) -> None:
+    def loudness(*options: str) -> tuple[float, float]:
+        text = TEXT[voice(name).lang].split("\\")[0]
+        assert main(["say", text, "--voice", name, files.options[0], *options]) == 0
+        rate, pcm = files.sound()
+        sound = pcm.astype(float)
+        spectrum = np.abs(np.fft.rfft(sound))[: len(sound) * 400 // rate]
+        centre = float((np.arange(len(spectrum)) * spectrum).sum() / spectrum.sum() * rate / len(sound))
+        return float(np.sqrt((sound**2).mean())), centre
+
+    plain, soft, high = loudness(), loudness("--volume=0.5"), loudness("--pitch=1.5")
+    assert soft[0] == pytest.approx(0.5 * plain[0], rel=0.05)
+    assert high[1] > 1.05 * plain[1]

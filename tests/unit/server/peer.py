@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from websockets.exceptions import ConnectionClosedError, ConnectionClosedOK
@@ -12,6 +13,7 @@ from websockets.exceptions import ConnectionClosedError, ConnectionClosedOK
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import decode, encode
 from fapstream.server.connection import Connection, Service
+from fapstream.tts import Manner
 from tests.unit.fakes import FakeVoices, LoopClock
 
 M = TypeVar("M")
@@ -50,10 +52,13 @@ class FakeSocket:
 class Peer:
     """A client that says exactly what it is told to."""
 
-    def __init__(self, voices: FakeVoices) -> None:
+    def __init__(self, voices: FakeVoices, manner: Manner | None = None) -> None:
         self.socket = FakeSocket()
         self.voices = voices
-        self.connection = Connection(self.socket, Service(voices, LoopClock(), lambda: ("generic",)))
+        service = Service(voices, LoopClock(), lambda: ("generic",))
+        if manner:
+            service = replace(service, manner=manner)
+        self.connection = Connection(self.socket, service)
         self.running = asyncio.create_task(self.connection.run())
 
     def send(self, *messages: g.ClientMessage) -> None:
@@ -88,9 +93,11 @@ class Peer:
 
 
 @asynccontextmanager
-async def peer(fail: Callable[[str], None] | None = None, **hello: Any) -> AsyncIterator[Peer]:
+async def peer(
+    fail: Callable[[str], None] | None = None, manner: Manner | None = None, **hello: Any
+) -> AsyncIterator[Peer]:
     """A client that has said hello; afterwards nothing of it may be left."""
-    made = Peer(FakeVoices(fail))
+    made = Peer(FakeVoices(fail), manner)
     made.send(g.Hello(**hello))
     assert isinstance(await made.next(), g.Ready)
     yield made

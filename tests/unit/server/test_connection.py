@@ -14,6 +14,7 @@ import pytest
 
 from fapstream.protocol import generated as g
 from fapstream.server import connection as module
+from fapstream.tts import Manner, read_lexicon
 from tests.unit.fakes import Failing, FakeVoices, in_virtual_time
 from tests.unit.server.peer import Peer, peer
 
@@ -127,6 +128,40 @@ async def test_rate() -> None:
             p.send(*say(1, rate=rate))
             lengths.append((await p.until(g.Done)).samples)
     assert lengths[1] < 0.75 * lengths[0]
+
+
+@in_virtual_time
+async def test_pitch_volume_and_look_ahead() -> None:
+    async with peer() as p:
+        p.send(*say(1), *say(2, pitch=200, volume=50), *say(3, volume=0))
+        for turn in (1, 2, 3):
+            await p.until(g.Done, turn)
+    plain, high, silent = (v.written[0].phones[2] for v in p.voices.acquired)
+    assert high.pitch[0][1] > 1.7 * plain.pitch[0][1]
+    assert (plain.gain, high.gain, silent.gain) == (1.0, 0.5, 0.0)
+
+
+@in_virtual_time
+async def test_look_ahead_is_the_turns_or_the_servers() -> None:
+    text = "one two three four "
+    for wish, server, words in ((None, 0, 4), (2, 0, 2), (None, 3, 1), (g.LONGEST_LOOK_AHEAD, 0, 0)):
+        async with peer(manner=Manner(look_ahead=server)) as p:
+            p.send(g.Speak(turn=1, text=text.encode(), look_ahead=wish))
+            await asyncio.sleep(0.01)
+            written = [w.text for v in p.voices.acquired for u in v.written for w in u.words]
+            assert written == text.split()[:words]
+
+
+@in_virtual_time
+async def test_the_servers_lexicon_is_for_its_language() -> None:
+    lexicon = read_lexicon("Hello\tt E1 s t", "f", "en")
+    async with peer(manner=Manner(lexicon=lexicon)) as p:
+        p.send(*say(1, "Hello."), *say(2, "Hello.", lang="el"))
+        for turn in (1, 2):
+            await p.until(g.Done, turn)
+    english, greek = ([ph.name for ph in v.written[0].phones] for v in p.voices.acquired)
+    assert english[1:-1] == ["t", "E", "s", "t"]
+    assert greek[1] == "x"
 
 
 @in_virtual_time
