@@ -117,7 +117,7 @@ class FrontEnd:
         self._said = True
         if self._undecided:
             undecided, self._undecided = self._undecided, ""
-            if ends_before(undecided, token.text):
+            if ends_before(undecided, token.text, self._language.openings):
                 self._close(UNDECIDED[undecided])
         stop = token.stop
         if not stop:
@@ -177,7 +177,7 @@ class FrontEnd:
             del self._tokens[: taken.used]
             for item in taken.items:
                 self._spoken += [(word, item) for word in item.spoken]
-                self._before = item.text.lower()
+                self._before = item.text
             if taken.used < len(tokens):
                 break
         if self._spoken:

@@ -36,6 +36,9 @@ class Language:
     numerals: frozenset[str]
     """Words for the numbers up to nineteen."""
 
+    openings: frozenset[str]
+    """Words that begin a sentence after an abbreviation; empty if any capital does."""
+
     def is_weak(self, word: Spoken, written: str) -> bool:
         """Whether a spoken word bears no accent: a function word, but not where it was written in digits."""
         return word in self.function_words and (word not in self.numerals or written.isalpha())
@@ -51,7 +54,8 @@ def language(name: str) -> Language:
     require_language(name)
     rows = [row for _, row in read_rows(f"{name}/function_words.tsv", 4)]
     vocabulary = Vocabulary(f"{name}/vocabulary.tsv")
-    speller = Speller(_is_english_word)
+    known = {form: entry.one.split() for form, entry in vocabulary.known.items()}
+    speller = Speller(_is_english_word, known)
     numerals = Numerals(name)
     readers = Readers(numerals, vocabulary, speller.words).table()
     patterns = Patterns(f"{name}/patterns.tsv", vocabulary, readers)
@@ -74,6 +78,7 @@ def language(name: str) -> Language:
         cut_before=frozenset(_sigma(row[0]) for row in rows if row[2] == "before"),
         question_words=question_words(name),
         numerals=frozenset(numerals.units),
+        openings=frozenset(vocabulary.classes.get("opening", ())),
     )
 
 

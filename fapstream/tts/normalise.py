@@ -16,15 +16,19 @@ from dataclasses import dataclass, field
 from fapstream.records import Spoken
 from fapstream.tts.markup import PLAIN, Style
 from fapstream.tts.patterns import Patterns, Reading, Vocabulary
-from fapstream.tts.segment import INITIALS, Token, core
-from fapstream.tts.spelling import Speller
+from fapstream.tts.segment import INITIALS, UNDECIDED, Token, core
+from fapstream.tts.spelling import Speller, ended
 
 _IGNORED = "\u0300-\u036f\u00ad\u200b-\u200d\u2060"
 _GREEK = f"[\u0370-\u0373\u0376\u0377\u037b-\u037d\u0386\u0388-\u03ff\u1f00-\u1fff][{_IGNORED}]*"
-_LATIN = f"[a-zA-Z\u00aa\u00ba\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u024f\u1e00-\u1eff\uff21-\uff5a][{_IGNORED}]*"
+_ROMAN = "a-zA-Z\u00aa\u00ba\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u024f\u1e00-\u1eff\ufb00-\ufb06\uff21-\uff5a"
+_LATIN = f"[{_ROMAN}][{_IGNORED}]*"
 _WORDS = re.compile(rf"(?P<greek>(?:{_GREEK})+)|(?P<latin>(?:{_LATIN})+(?:['’](?:{_LATIN})+)*)")
+_SIGNS = "#+-−."
 _NUMERIC = re.compile(r"[#+\-−.]{0,2}\d")
-_STARTER = re.compile(r"(?:[^\W\d_]|\.(?=[^\W\d_]))+\.?")
+_STARTER = re.compile(r"(?:[^\W\d_]|\.(?=[^\W\d_]))+[.$]?")
+_POSSESSIVE = re.compile(r"['’]s(?!\w)")
+_SUBSCRIPTS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 MAX_GROUP = 8
 """Tokens that may be read together."""
 BETWEEN = "./-"
@@ -64,19 +68,26 @@ class Normaliser:
     def __init__(self, vocabulary: Vocabulary, patterns: Patterns, speller: Speller) -> None:
         self._patterns = patterns
         self._words = speller.words
+        self._is_word = speller.is_word
         classes = vocabulary.classes
-        self._abbreviations = classes["abbreviation"]
+        self._abbreviations = vocabulary.known
+        self._wordlike = frozenset(classes.get("wordlike", ()))
         self._symbols = classes["symbol"]
         self._signs = frozenset(classes["sign"])
-        self._starters = {form: name for name in patterns.places for form in classes.get(name, ())}
-        self._going_on = frozenset(form.lower() for name in patterns.going_on for form in classes[name])
+        self._starters: dict[str, tuple[str, ...]] = {}
+        for name in patterns.places:
+            for form in classes.get(name, ()):
+                for key in (form, form + "'s", form + "’s") if form[0].isalpha() else form[:1]:
+                    self._starters[key] = tuple(dict.fromkeys((*self._starters.get(key, ()), name)))
+        going_on = [form.lower() for name in patterns.going_on for form in classes[name]]
+        self._going_on = frozenset(part for form in going_on for part in form.split())
 
     def take(
         self, tokens: Sequence[Token], closed: bool, before: str = "", lexicon: Lexicon = _NO_LEXICON
     ) -> Taken:
         """The items of the tokens that nothing after them can change.
 
-        `closed`: the phrase ends after the tokens; `before`: the word before them, lower-case; `lexicon`: the
+        `closed`: the phrase ends after the tokens; `before`: the word before them, as written; `lexicon`: the
         user's own readings. Every item has at least one spoken word.
         """
         taken = Taken()
@@ -86,15 +97,15 @@ class Normaliser:
                 taken.items.append(own)
                 taken.used += 1
             elif token.word or token.said:
-                if self._starts(token):
+                if self._starts(token, before):
                     if not self._group(taken, tokens, closed, before):
                         break
                 else:
-                    self._single(taken, token)
+                    self._single(taken, token, before)
             elif not self._group(taken, tokens, closed, before):
                 break
             if taken.items:
-                before = taken.items[-1].text.lower()
+                before = taken.items[-1].text
         return taken
 
     def _own(self, token: Token, lexicon: Lexicon) -> Item | None:
@@ -112,12 +123,13 @@ class Normaliser:
             text, token.start + start, token.start + start + len(bare), list(spoken), token.style, token.stop
         )
 
-    def _starts(self, token: Token) -> bool:
+    def _starts(self, token: Token, before: str) -> bool:
         """Whether a pattern may begin with this word."""
         word = token.word
-        return word in self._starters or (len(word) < len(token.text) and word + "." in self._starters)
+        places = self._starters.get(word) or (len(word) < len(token.text) and self._starters.get(word + "."))
+        return bool(places) and any(self._patterns.may_begin(place, before) for place in places or ())
 
-    def _single(self, taken: Taken, token: Token) -> None:
+    def _single(self, taken: Taken, token: Token, before: str) -> None:
         """A token that is read by itself: its word is plain, or mark-up says how."""
         text, word = token.text, token.word
         spoken: list[Spoken]
@@ -127,7 +139,9 @@ class Normaliser:
         else:
             dotted = len(word) < len(text) and "." in text
             entry = self._abbreviations.get(word) or (self._abbreviations.get(word + ".") if dotted else None)
-            spoken = [*(entry.one.split() if entry else self._words(word))]
+            spoken = [*entry.one.split()] if entry else [*self._words(word)]
+            if len(spoken) > 1 and word.isupper() and self._in_capitals(word, before):
+                spoken = [*self._words(word.lower())]
         taken.used += 1
         if not spoken:
             return
@@ -136,6 +150,13 @@ class Normaliser:
             word = token.raw[start - token.start : start - token.start + len(word)]
         taken.items.append(Item(word, start, start + len(word), spoken, token.style, token.stop))
 
+    def _in_capitals(self, word: str, before: str) -> bool:
+        """Whether capitals are a word of a line in capitals, not an acronym."""
+        if not (len(before) > 2 and before.isupper() and before.isalpha()) or before in self._abbreviations:
+            return False
+        line = len(before) > 3 or self._is_word(before)
+        return line and (word not in self._abbreviations or word in self._wordlike)
+
     # what is more than letters
 
     def _group(self, taken: Taken, tokens: Sequence[Token], closed: bool, before: str) -> bool:
@@ -143,66 +164,86 @@ class Normaliser:
         first = taken.used
         end = first + 1
         limit = min(len(tokens), first + MAX_GROUP)
-        while end < limit and not tokens[end - 1].stop and self._goes_on(tokens[end]):
+        alone = self._is_alone(tokens[first])
+        while end < limit and not (alone or _ends(tokens[end - 1])) and self._goes_on(tokens[end]):
             end += 1
-        complete = closed or tokens[end - 1].stop or end == first + MAX_GROUP
-        if end == len(tokens) and not complete:
+        over = _ends(tokens[end - 1]) or end == first + MAX_GROUP or alone
+        if end == len(tokens) and not (closed or over):
             return False
-        window = tokens[first:end] if tokens[end - 1].stop else tokens[first : end + 1]
-        text = _Joined(window)
+        text = _Joined(tokens[first : end if over or (end < len(tokens) and tokens[end].said) else end + 1])
         at = 0
         while at < text.ends[0] or at not in text.starts:
             readings, at = self._at(text, at, before)
             taken.items += [text.item(reading) for reading in text.by_token(readings)]
             if readings:
-                before = readings[-1].words[-1] if readings[-1].words else before
+                before = text.text[readings[-1].start : readings[-1].end]
             if at >= text.ends[-1]:
                 break
         taken.used += text.tokens_before(at)
         return True
 
+    def _is_alone(self, token: Token) -> bool:
+        """Whether no pattern can begin at a token: initials, or an abbreviation that is read the same always."""
+        bare = core(token.text)
+        forms = (bare, bare.removesuffix("."))
+        fixed = INITIALS.fullmatch(bare) or any(form in self._abbreviations for form in forms)
+        return bool(fixed) and not any(form in self._starters for form in forms)
+
     def _goes_on(self, token: Token) -> bool:
         """Whether a token may belong to the number or name before it."""
+        if token.said:
+            return False
         bare = core(token.text)
-        return bool(_NUMERIC.match(bare)) or bare[:1] in self._signs or bare.lower() in self._going_on
+        if _NUMERIC.match(bare) or bare[:1] in self._signs:
+            return True
+        return bare.lower() in self._going_on or bare.lower().partition("-")[0] in self._going_on
 
     def _at(self, joined: _Joined, at: int, before: str) -> tuple[list[Reading], int]:
         """What is read at a place, and where to go on."""
         text = joined.text
-        place = self._place(text, at)
-        if place and (readings := self._patterns.read(place, text, at, before)) is not None:
-            return readings, max(readings[-1].end if readings else 0, at + 1)
-        if at in joined.starts and (whole := self._whole(joined, at)):
-            return [whole], whole.end
+        for place in self._places(text, at):
+            if found := self._patterns.read(place, text, at, before):
+                return found[0], max(found[1], at + 1)
+        if text[at].isalpha() and not text[at - 1 : at].isalnum() and (dotted := self._dotted(text, at)):
+            return [dotted], dotted.end
         if word := _WORDS.match(text, at):
             return [Reading(self._words(word.group()), at, word.end())], word.end()
         entry = self._symbols.get(text[at])
-        if entry and (
-            text[at] not in BETWEEN or (text[at - 1 : at].isalpha() and text[at + 1 : at + 3].isalpha())
-        ):
+        if entry and (text[at] not in BETWEEN or _between(text, at)):
             return [Reading([*entry.one.split()], at, at + 1)], at + 1
         return [], at + 1
 
-    def _place(self, text: str, at: int) -> str:
-        """Which patterns may begin here, "" if none."""
-        if text[at] in self._signs and _NUMERIC.match(text, at + 1):
-            return "sign"
+    def _places(self, text: str, at: int) -> Sequence[str]:
+        """Which patterns may begin here."""
+        sign = text[at]
+        begins = sign.isalnum() and not text[at - 1 : at].isalnum()
+        if sign.isalpha():
+            if not begins:
+                return ()
+            written = word.group() if (word := _STARTER.match(text, at)) else sign
+            named = self._starters.get(written) or self._starters.get(written.rstrip(".$")) or ()
+            return ("start", *named, "word")
         if _NUMERIC.match(text, at):
-            return "digit"
-        if text[at].isalpha() and not text[at - 1 : at].isalnum() and (word := _STARTER.match(text, at)):
-            return self._starters.get(word.group()) or self._starters.get(word.group().rstrip(".")) or ""
-        return ""
+            return (
+                ("start", "digit", "word") if begins else ("digit", "mark") if sign in _SIGNS else ("digit",)
+            )
+        return (*self._starters.get(sign, ()), "mark")
 
-    def _whole(self, joined: _Joined, at: int) -> Reading | None:
-        """The reading of a whole token: an abbreviation with points in it, or initials."""
-        token = joined.starts[at]
-        bare = core(token.text)
-        begin = at + token.text.index(bare) if bare else at
-        for written in (bare, bare.removesuffix(".")):
-            if entry := self._abbreviations.get(written):
-                return Reading([*entry.one.split()], begin, begin + len(written))
-            if INITIALS.fullmatch(written) and len(written) > 2:
-                return Reading([c.upper() for c in written if c != "."], begin, begin + len(written))
+    def _dotted(self, text: str, at: int) -> Reading | None:
+        """An abbreviation with points in it, or initials, and the ending of a possessive."""
+        word = _STARTER.match(text, at)
+        written = word.group().rstrip("$") if word else ""
+        for form in (written, written.removesuffix(".")):
+            if entry := self._abbreviations.get(form):
+                words = entry.one.split()
+            elif "." in form and INITIALS.fullmatch(written) and len(written) > 2:
+                words = [c.upper() for c in form if c != "."]
+            else:
+                continue
+            end = at + len(form)
+            if ending := _POSSESSIVE.match(text, end):
+                return Reading(ended(words, "'s"), at, ending.end())
+            return Reading(words, at, end)
         return None
 
 
@@ -211,6 +252,7 @@ class _Joined:
 
     def __init__(self, tokens: Sequence[Token]) -> None:
         self.text = ascii_digits(" ".join([t.text for t in tokens]))
+        self._written = " ".join([t.raw or t.text for t in tokens])
         self.starts: dict[int, Token] = {}
         self.ends: list[int] = []
         at = 0
@@ -243,14 +285,28 @@ class _Joined:
         begin, finish = self.starts[self._offsets[first]], self.starts[self._offsets[last]]
         start = begin.start + reading.start - self._offsets[first]
         end = finish.start + reading.end - self._offsets[last]
-        text = self.text[reading.start : reading.end]
-        if first == last:
-            text = (begin.raw or begin.text)[start - begin.start : end - begin.start]
-        return Item(text, start, end, list(reading.words), begin.style, finish.stop)
+        return Item(
+            self._written[reading.start : reading.end],
+            start,
+            end,
+            list(reading.words),
+            begin.style,
+            finish.stop,
+        )
+
+
+def _ends(token: Token) -> bool:
+    """Whether the phrase ends after it, as far as it tells itself."""
+    return bool(token.stop) and token.stop not in UNDECIDED
+
+
+def _between(text: str, at: int) -> bool:
+    """Whether a sign stands between letters, two at least on either side."""
+    return text[max(at - 2, 0) : at].isalpha() and text[at + 1 : at + 3].isalpha()
 
 
 def ascii_digits(text: str) -> str:
-    """Decimal digits of any script as ASCII ones; the length does not change."""
+    """Decimal digits of any script, and lowered ones, as ASCII digits; the length does not change."""
     if text.isascii():
         return text
-    return "".join(str(unicodedata.decimal(c)) if c.isdecimal() else c for c in text)
+    return "".join(str(unicodedata.decimal(c)) if c.isdecimal() else c for c in text.translate(_SUBSCRIPTS))

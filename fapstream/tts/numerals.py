@@ -86,8 +86,29 @@ class Numerals:
         tail = self.digits(fraction) if by_digit else self.cardinal(int(fraction))
         return [*words, self._t["point"], *tail]
 
-    def minus(self) -> str:
-        return str(self._t["minus"])
+    def sign(self, sign: str) -> Words:
+        """The sign before a number."""
+        return str(self._t["minus"] if sign in "-−" else self._t.get("plus", "")).split()
+
+    @property
+    def point(self) -> str:
+        """The decimal mark as it is read."""
+        return str(self._t["point"])
+
+    def until(self) -> Words:
+        """What stands between the ends of a range."""
+        return str(self._t.get("until", "")).split()
+
+    def code(self, digits: str) -> Words:
+        """Digits of a name or number plate: in pairs where years are, as in A320, else as a number."""
+        oh, n = self._t.get("digits_zero"), int(digits[:9])
+        if len(digits) > 4 or (len(digits) > 1 and digits[0] == "0"):
+            return self.digits(digits)
+        first, rest = divmod(n, 100)
+        if not (oh and first) or (not rest and (n < 1000 or not n % 1000)):
+            return self.cardinal(n)
+        tail = self.cardinal(rest) if rest else [self._t["long_year"]]
+        return [*self.cardinal(first), *([oh] if 0 < rest < 10 else []), *tail]
 
     def year(self, n: int) -> Words:
         """1984 -> nineteen eighty-four where years are read in pairs, else the cardinal."""
@@ -102,17 +123,13 @@ class Numerals:
 
     def decade(self, n: int) -> Words:
         """1990 -> nineteen nineties."""
-        words = self.year(n)
-        last = words[-1]
-        return [*words[:-1], last.removesuffix("y") + "ies" if last.endswith("y") else last + "s"]
+        return plural(self.year(n))
 
     def hour(self, n: int) -> Words:
         """The hour of a clock time."""
-        return (
-            self.cardinal(n, self._t.get("hour_gender", ""))
-            if n or "zero_hour" not in self._t
-            else [self._t["zero_hour"]]
-        )
+        if not n and "zero_hour" in self._t:
+            return [self._t["zero_hour"]]
+        return self.cardinal(n, self._t.get("hour_gender", ""))
 
     def minute(self, n: int) -> Words:
         """Minutes after an hour: five is `oh five` where that is the custom."""
@@ -146,6 +163,15 @@ class Numerals:
         if n > 9999 or any(str(p) not in stems for p in parts):
             return [*self.cardinal(n)]
         return [greek_ending(stems[str(p)], suffix) for p in parts]
+
+
+def plural(words: Words) -> Words:
+    """English words with the last in the plural: twenty -> twenties, six -> sixes."""
+    last = words[-1]
+    many = (
+        last.removesuffix("y") + "ies" if last.endswith("y") else last + ("es" if last[-1] in "sx" else "s")
+    )
+    return [*words[:-1], many]
 
 
 _ACCENTED = str.maketrans("άέήίόύώ", "αεηιουω")

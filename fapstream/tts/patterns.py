@@ -1,19 +1,25 @@
 """Patterns that read what is not a plain word: dates, times, money, units, numbers. Data, and a small engine.
 
-A table `patterns.tsv` has three columns. The first says where a pattern may begin: `digit` (at a digit or one
-of `+-−.#` before it), `sign` (at a currency sign), or the name of a vocabulary class (at one of its words).
-The second is a regular expression over the text of one or several tokens, which stand one blank apart;
-`{NAME}` in it is a macro (a line `macro`, name, expression) or any written form of a vocabulary class. It
-must end where no letter or digit goes on, unless it ends with `~`. The third is the reading: words as they
-are, `$group:reader` or `$group:reader:other` for the text of a named group read by a reader (a method of
+A table `patterns.tsv` has three columns. The first says where a pattern may begin: `digit` (at a digit or
+one of `+-−.#` before it), the name of a vocabulary class (at one of its forms: a whole word, or the sign it
+begins with), `start` (at the beginning of any word or number, before all others), `word` (the same, after
+the others) or `mark` (at any other sign); words of letters alone are met only if a class has them. ` after
+REGEX` behind it asks that the word before in the phrase, as written, is all matched by REGEX; none is
+written "". The second column is a regular expression over the text of one or several tokens, which stand
+one blank apart; `{NAME}` in it is a macro (a line `macro`, name, expression) or any written form of a
+vocabulary class. It must end where no letter or digit goes on, unless it ends with `~`. The third is the
+reading: words as they are (one that begins with an apostrophe is joined to the word before it),
+`$group:reader` or `$group:reader:other` for the text of a named group read by a reader (a method of
 Readers, or a vocabulary class), and `[ ... ]` around what is left out when none of the groups in it took
-part. The first pattern that matches wins.
+part; nothing at all is silence. The first pattern that matches wins.
 
 A line `going_on` names the vocabulary classes whose words may belong to a number before them: only over
 those do patterns reach from one token to the next.
 
-A table `vocabulary.tsv` has five columns: class, written form, reading for one, for many if it differs,
-gender.
+A table `vocabulary.tsv` has five columns: class, written form (or several with `|` between them), reading
+for one, for many if it differs, gender. Of acronyms those of class `spelled` are read letter by letter,
+those of class `spoken` as words, those of class `wordlike` letter by letter unless all around them is in
+capitals.
 """
 
 from __future__ import annotations
@@ -78,6 +84,14 @@ class _Part:
     optional: tuple[_Part, ...] = ()
 
 
+class _Rule(NamedTuple):
+    """One line of the table; `after`: what the word before must be, None if that does not matter."""
+
+    after: re.Pattern[str] | None
+    regex: re.Pattern[str]
+    parts: tuple[_Part, ...]
+
+
 class Vocabulary:
     """Classes of written forms and their readings."""
 
@@ -89,9 +103,18 @@ class Vocabulary:
         for line, (name, written, one, many, gender) in read_rows(path, 5):
             if not (name and written):
                 raise DataError(path, line, "a class and a written form are needed")
-            self.classes.setdefault(name, {})[written] = Entry(one, many or one, gender)
-            if name == "abbreviation":
-                self.ends[written] = many
+            for form in written.split("|") if len(written) > 1 else [written]:
+                self.classes.setdefault(name, {})[form] = Entry(one, many or one, gender)
+                if name == "abbreviation":
+                    self.ends[form] = many
+
+    @property
+    def known(self) -> dict[str, Entry]:
+        """Forms that are always read as the table says: abbreviations and acronyms."""
+        lettered = [*self.classes.get("spelled", ()), *self.classes.get("wordlike", ())]
+        known = {form: Entry(" ".join(form.upper()), "", "") for form in lettered}
+        known |= {form: Entry(form.lower(), "", "") for form in self.classes.get("spoken", ())}
+        return known | self.classes["abbreviation"]
 
     def entry(self, name: str, written: str) -> Entry | None:
         """By the written form, or that in lower case."""
@@ -105,9 +128,15 @@ class Vocabulary:
         )
 
     def alternatives(self, name: str) -> str:
-        """A regular expression for every written form, the longest first."""
-        forms = sorted(self.classes[name], key=len, reverse=True)
-        return "(?:" + "|".join(map(re.escape, forms)) + ")"
+        """A regular expression for every written form, the longest first of those that begin alike."""
+        beginnings: dict[str, list[str]] = {}
+        for form in sorted(self.classes[name], key=len, reverse=True):
+            beginnings.setdefault(form[0], []).append(re.escape(form[1:]))
+        return "(?:" + "|".join(re.escape(c) + _any_of(rest) for c, rest in beginnings.items()) + ")"
+
+
+def _any_of(expressions: list[str]) -> str:
+    return expressions[0] if len(expressions) == 1 else "(?:" + "|".join(expressions) + ")"
 
 
 class Patterns:
@@ -118,7 +147,7 @@ class Patterns:
         self._vocabulary = vocabulary
         self._readers = readers
         self._macros = {name: vocabulary.alternatives(name) for name in vocabulary.classes}
-        self._rules: dict[str, list[tuple[re.Pattern[str], tuple[_Part, ...]]]] = {}
+        self._rules: dict[str, list[_Rule]] = {}
         self.going_on: set[str] = set()
         """Vocabulary classes whose words may belong to a number or name before them."""
         for line, (where, pattern, reading) in read_rows(path, 3):
@@ -132,11 +161,18 @@ class Patterns:
         """Where patterns may begin."""
         return list(self._rules)
 
-    def read(self, where: str, text: str, at: int, before: str) -> list[Reading] | None:
-        """The readings of what the first matching pattern finds at `at`, in order; None if none matches."""
-        for regex, parts in self._rules.get(where, ()):
+    def may_begin(self, where: str, before: str) -> bool:
+        """Whether any pattern may begin there after that word."""
+        return any(rule.after is None or rule.after.fullmatch(before) for rule in self._rules[where])
+
+    def read(self, where: str, text: str, at: int, before: str) -> tuple[list[Reading], int] | None:
+        """The readings, in order, and the end of what the first matching pattern finds at `at`; None if none
+        matches. `before`: the word before, as written."""
+        for after, regex, parts in self._rules.get(where, ()):
+            if after and not after.fullmatch(before):
+                continue
             if match := regex.match(text, at):
-                return self._spans(Found(match, before), parts)
+                return self._spans(Found(match, before.lower()), parts), match.end()
         return None
 
     def _line(self, where: str, pattern: str, reading: str) -> None:
@@ -151,6 +187,7 @@ class Patterns:
         parts, rest = self._parsed(reading.split())
         if rest:
             raise ValueError("an unexpected ]")
+        place, _, after = where.partition(" after ")
         groups = set(regex.groupindex)
         for part in _flat(parts):
             if part.group and not {part.group, part.other} - {""} <= groups:
@@ -161,7 +198,8 @@ class Patterns:
                 and part.reader not in self._vocabulary.classes
             ):
                 raise KeyError(part.reader)
-        self._rules.setdefault(where, []).append((regex, parts))
+        condition = re.compile(self._expanded(after)) if " after " in where else None
+        self._rules.setdefault(place, []).append(_Rule(condition, regex, parts))
 
     def _expanded(self, pattern: str) -> str:
         return re.sub(r"\{([a-z_]+)\}", lambda m: self._macros[m.group(1)], pattern)
@@ -191,11 +229,14 @@ class Patterns:
         out: list[Reading] = []
         waiting: Words = []
         for words, span in self._said(found, parts):
-            if span is None:
+            if span is None and out and not waiting and words[0][0] == "'":
+                out[-1] = out[-1]._replace(words=[*out[-1].words[:-1], out[-1].words[-1] + words[0]])
+            elif span is None:
                 waiting += words
             elif out and span[0] < out[-1].end:
                 last = out[-1]
-                start, end = min(last.start, span[0]), max(last.end, span[1])
+                start = max(min(last.start, span[0]), out[-2].end if len(out) > 1 else 0)
+                end = max(last.end, span[1])
                 out[-1] = Reading([*last.words, *waiting, *words], start, end)
                 waiting = []
             else:
@@ -223,7 +264,7 @@ class Patterns:
         entry = self._vocabulary.entry(part.reader, found.text(part.group))
         if entry is None:
             return []
-        single = part.other and found.text(part.other) in ("1", "+1", "-1")
+        single = part.other and found.text(part.other) in ("1", "+1", "-1", "−1")
         return (entry.one if single or not part.other else entry.many).split()
 
 

@@ -88,8 +88,8 @@ class Reader:
 
     def _tag(self, found: TagText) -> Iterator[Event]:
         tag = parse(found.text)
-        if tag and self._capture:
-            if tag.kind == "close" and tag.name == self._capture.tag.name:
+        if self._capture:
+            if tag and tag.kind == "close" and tag.name == self._capture.tag.name:
                 yield from self._captured(found)
                 return
             yield from self._give_up()

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from fapstream.tts.numerals import Numerals
+from fapstream.tts.numerals import Numerals, plural
 from fapstream.tts.patterns import Found, Reader, Vocabulary, Words
+from fapstream.tts.spelling import ended, fold_latin
 
 _ROMAN = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 MAX_GROUP = 3
-"""Digits of a telephone number that are read without a break, when it is not written in groups."""
+"""So many capitals before digits are letters, as in MH370."""
+_RUNS = re.compile(r"\d+|[^\W\d_]+")
+_CAMEL = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_]+")
 
 
 class Readers:
@@ -39,10 +42,10 @@ class Readers:
         """Letters and digits by their names."""
         out: Words = []
         for c in found.text(group):
-            if c.isdigit():
+            if c.isdecimal():
                 out += self._numerals.digits(c)
             elif c.isalpha():
-                out += [word.upper() for word in self._words(c)]
+                out += fold_latin(c).upper() or self._words(c.upper())
         return out
 
     def read_digits(self, found: Found, group: str, other: str) -> Words:
@@ -59,7 +62,7 @@ class Readers:
         text = found.text(group)
         whole, _, fraction = text.lstrip("+-−#").partition(self._numerals.decimal_mark)
         whole, fraction = re.sub(r"\D", "", whole), re.sub(r"\D", "", fraction)
-        sign = self._numerals.minus().split() if text[:1] in "-−" else []
+        sign = self._numerals.sign(text[0]) if text[0] in "-−+" else []
         return sign + self._numerals.number(whole or "0", fraction, self._gender(found, whole, other))
 
     def read_year(self, found: Found, group: str, other: str) -> Words:
@@ -91,9 +94,65 @@ class Readers:
         """A Roman numeral as an ordinal."""
         return self._numerals.ordinal(roman(found.text(group)), found.text(other))
 
+    def read_upto(self, found: Found, group: str, other: str) -> Words:
+        """The end of a range, or what is compared with `other` if it is not more: 10-20, but 3-1."""
+        first, last = (int(re.sub(r"\D", "", found.text(g))[:15] or "0") for g in (other, group))
+        return [*(self._numerals.until() if first < last else []), *self.read_number(found, group, "")]
+
+    def read_parts(self, found: Found, group: str, other: str) -> Words:
+        """Numbers with points between them."""
+        out: Words = []
+        for part in re.findall(r"\d+", found.text(group)):
+            out += [*([self._numerals.point] if out else []), *self._numerals.number(part)]
+        return out
+
+    def read_code(self, found: Found, group: str, other: str) -> Words:
+        """Letters and digits mixed, as names of things have them."""
+        return [w for run in _RUNS.findall(found.text(group)) for w in self._run(run)]
+
+    def read_codes(self, found: Found, group: str, other: str) -> Words:
+        """Several things of one name."""
+        words = self.read_code(found, group, other)
+        return ended(words, "s") if len(words[-1]) == 1 else plural(words)
+
+    def read_camel(self, found: Found, group: str, other: str) -> Words:
+        """Words written as one, told apart by their capitals."""
+        runs = _CAMEL.findall(found.text(group))
+        return [
+            w for run in runs for w in (self._numerals.code(run) if run.isdecimal() else self._words(run))
+        ]
+
+    def read_address(self, found: Found, group: str, other: str) -> Words:
+        """A name in a network or of a file: words, digits, and the signs between them that are known."""
+        known = self._vocabulary.classes["address"]
+        out: Words = []
+        for piece in re.findall(r"[^\W\d_]+|\d+|\D", found.text(group).rstrip("/.,;:!")):
+            if entry := known.get(piece.lower()):
+                out += entry.one.split()
+            elif piece.isdecimal():
+                out += self._numerals.code(piece)
+            elif piece.isalpha():
+                out += [w for run in _CAMEL.findall(piece) for w in self._words(run)]
+        return out
+
+    def read_dotted(self, found: Found, group: str, other: str) -> Words:
+        """Digits one by one with the points between them."""
+        point = self._vocabulary.classes["address"]["."].one
+        parts = re.findall(r"\d+", found.text(group))
+        out = [word for part in parts for word in [point, *self._numerals.digits(part)]]
+        return out[1:]
+
     def read_fraction(self, found: Found, group: str, other: str) -> Words:
         """The denominator of a fraction whose numerator is `other`."""
         return self._numerals.denominator(int(found.text(group)), int(found.text(other) or "1"))
+
+    def _run(self, run: str) -> Words:
+        if run.isdecimal():
+            return self._numerals.code(run)
+        known = self._vocabulary.classes.get("spoken", {})
+        if len(run) == 1 or (run.isupper() and len(run) <= MAX_GROUP and run not in known):
+            return [c.upper() for c in fold_latin(run) if c.isalpha()]
+        return self._words(run)
 
     def _gender(self, found: Found, digits: str, other: str) -> str:
         if other and (gender := self._vocabulary.gender(found.text(other))):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from fapstream.records import ExpressionName, Spoken
@@ -21,8 +21,7 @@ MAX_TAG = 400
 """What begins like a tag and is longer is text."""
 
 WRAPPED = 60
-"""A line of so many characters may have been wrapped: it ends a phrase only if the next one does not go
-on."""
+"""A line of so many characters may have been wrapped: it ends a phrase unless the next one goes on."""
 
 MIN_SMILEY_MS, DEFAULT_SMILEY_MS, MAX_SMILEY_MS = 40, 1000, 10_000
 
@@ -42,6 +41,7 @@ _TAG_PIECE = re.compile(r"[^<>]+|[<>]")
 _TAG_START = re.compile(r"[A-Za-z/!?]")
 _CUT = re.compile(
     r"(?P<smiley>\\:[)|O(;o]\d{0,9})"
+    r"|(?P<note>\[\d{1,3}\])"
     r"|(?P<dash>—|(?<!\d)–|–(?!\d)|-{2,})"
     r"|(?P<dots>…|\.{2,})(?=\w)"
     r"|(?P<mark>(?<=[^\W\d_])[,;!?](?=[^\W\d_]))"
@@ -49,12 +49,15 @@ _CUT = re.compile(
 _ENTITY = re.compile(r"&(?:#\d{1,7}|#[xX][0-9a-fA-F]{1,6}|[a-zA-Z][a-zA-Z0-9]{1,15});")
 _FILLER = "\u2060"
 """Stands for the characters of an entity that are none of its own: ignored wherever it is met."""
-_OPENERS = "\"'([{<«“‘„*_~#¿¡" + _FILLER
+_OPENERS = "\"'([{<«“‘„*_~¿¡" + _FILLER
 _CLOSERS = "\"')]}>»”’*_~" + _FILLER
+_AREA = re.compile(r"\(\d{1,3}\)[-\d]{0,20}")
+"""A part of a telephone number."""
 _DAY = re.compile(r"(?:[12]\d|3[01]|[1-9])(?:st|nd|rd|th)?,")
 _YEAR = re.compile(r"(?:1\d|20)\d\d(?!\d)")
 _TAIL = re.compile(r"([.!?;:,·…\u037e\u0387]+)[" + re.escape(_CLOSERS) + "]*$")
-_WORD = re.compile("[" + re.escape(_OPENERS) + r"]*([^\W\d_]+(?:['’][^\W\d_]+)*)([^\w\s(\[]*)$")
+_NO_LETTERS = r"\W\d_²³¹¼-¾\u2070-\u2089\u2150-\u2189"
+_WORD = re.compile(f"[{re.escape(_OPENERS)}]*([^{_NO_LETTERS}]+(?:['’][^{_NO_LETTERS}]+)*)([^\\w\\s(\\[]*)$")
 INITIALS = re.compile(r"([^\W\d_]\.)+")
 
 
@@ -237,9 +240,10 @@ class Segmenter:
         if "&" in run and ";" in run:
             run = _ENTITY.sub(_decoded, run)
         at = 0
-        for cut in _CUT.finditer(run):
+        for cut in _CUT.finditer(run) if "://" not in run else ():
             yield from self._piece(run, at, cut.start(), (raw, start, style))
-            yield self._cut_token(cut, start + cut.start(), style)
+            if cut.lastgroup != "note":
+                yield self._cut_token(cut, start + cut.start(), style)
             at = cut.end()
         yield from self._piece(run, at, len(run), (raw, start, style))
 
@@ -256,7 +260,7 @@ class Segmenter:
         if begin == end:
             return
         raw, start, style = place
-        if run[begin] in "([" and end - begin > 1:
+        if run[begin] in "([" and end - begin > 1 and not _AREA.fullmatch(run, begin, end):
             yield Token(run[begin], start + begin, "", "comma", style)
             begin += 1
         text = run[begin:end]
@@ -274,8 +278,10 @@ class Segmenter:
         if not tail:
             closing = text[-1] in ")]" and "(" not in text and "[" not in text
             return "comma" if closing else "dash" if text in ("-", "–") else ""
-        if tail.group(1) != ".":
-            return "date" if _DAY.fullmatch(text) else self._kind(tail.group(1))
+        marks = tail.group(1)
+        if marks != ".":
+            after_point = marks[0] == "." and marks[1] not in ".…"
+            return "date" if _DAY.fullmatch(text) else self._kind(marks[1:] if after_point else marks)
         bare = text[: tail.end(1)].lstrip(_OPENERS)
         entry = self._abbreviations.get(bare)
         if entry is not None:
@@ -313,14 +319,15 @@ def core(text: str) -> str:
     return text.lstrip(_OPENERS).rstrip(_CLOSERS + "!?;:,·…\u037e\u0387")
 
 
-def ends_before(stop: str, following: str) -> bool:
+def ends_before(stop: str, following: str, openings: Collection[str] = ()) -> bool:
     """Whether a stop of UNDECIDED turns out to end the phrase, given the next token's text: `capital` if it
-    begins with one, `number` unless it begins with a digit, `date` unless it is a year, `wrapped` unless it
-    begins with a small letter."""
+    begins with one (and is one of `openings`, if there are any: a sentence may end before `The` but not
+    before `President`), `number` unless it begins with a digit, `date` unless it is a year, `wrapped` unless
+    it begins with a small letter."""
     text = following.lstrip(_OPENERS)
     first = text[:1]
     if stop == "capital":
-        return first.isupper()
+        return first.isupper() and (not openings or text.rstrip(_CLOSERS + ",") in openings)
     if stop == "date":
         return not _YEAR.match(text)
     return not first.islower() if stop == "wrapped" else not first.isdigit()

@@ -6,8 +6,9 @@ letter's name.
 
 from __future__ import annotations
 
+import re
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 _ACCENTS = {"\u0300": "\u0301", "\u0301": "\u0301", "\u0342": "\u0301", "\u0308": "\u0308"}
 _EXTRA = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "th", "þ": "th", "ŋ": "ng"}
@@ -16,6 +17,8 @@ _EXTRA_LATIN = str.maketrans(
 )
 _GREEK_VOWELS = "αεηιουωάέήίόύώϊϋΐΰ"
 _GREEK_LETTERS = "βγδζθκλμνξπρστφχψς" + _GREEK_VOWELS
+_VOWELS = frozenset("aeiouy")
+_ENDING = re.compile(r"([A-Z]{2,60})(['’]?s)")
 MAX_WORD = 60
 """Longer words are read in pieces of this many letters."""
 
@@ -23,17 +26,37 @@ MAX_WORD = 60
 class Speller:
     """Decides what is read as a word and what is spelled."""
 
-    def __init__(self, is_word: Callable[[str], bool]) -> None:
-        """`is_word`: whether an all-capitals Latin string is a word to be spoken rather than spelled."""
+    def __init__(self, is_word: Callable[[str], bool], known: Mapping[str, list[str]] | None = None) -> None:
+        """`is_word`: whether an all-capitals Latin string is a word to be spoken rather than spelled.
+
+        `known`: how acronyms and abbreviations are read.
+        """
         self._is_word = is_word
+        self._known = known or {}
 
     def words(self, text: str) -> list[str]:
         """A word of letters in any script as it is spoken."""
+        if text[1:2].isupper() and (found := self.acronym(text)):
+            return found
         if text.isascii():
             return self._word(text)
         if "\u0370" <= text[0] <= "\u03ff" or "\u1f00" <= text[0] <= "\u1fff":
             return self._greek(text)
         return self._word(fold_latin(text))
+
+    def acronym(self, text: str) -> list[str]:
+        """What is known of a written form, or of capitals with a small s; empty if nothing."""
+        if known := self._known.get(text):
+            return list(known)
+        ending = _ENDING.fullmatch(text)
+        if ending is None:
+            return []
+        words = list(self._known.get(ending[1]) or self._word(ending[1]))
+        return ended(words, "s" if ending[2] == "s" else "'s")
+
+    def is_word(self, text: str) -> bool:
+        """Whether capitals can be a word."""
+        return self._is_word(text.lower())
 
     def _greek(self, text: str) -> list[str]:
         """A Greek word: whole, or spelled where it has no vowel."""
@@ -48,15 +71,21 @@ class Speller:
         word = text.lower()
         if len(word) == 1:
             return [word] if word in "ai" else [word.upper()]
-        if not text.isupper() and any(c in "aeiouy" for c in word):
+        if not (text.isupper() or _VOWELS.isdisjoint(word)):
             return _pieces(word) if len(word) > MAX_WORD else [word]
         letters = word.replace("'", "").replace("’", "")
         if not letters.isalpha():
             return []
-        unsayable = not any(c in "aeiouy" for c in letters)
+        unsayable = _VOWELS.isdisjoint(letters)
         if (unsayable or (text.isupper() and len(letters) <= 5)) and not self._is_word(word):
             return [c.upper() for c in letters]
         return _pieces(word)
+
+
+def ended(words: list[str], ending: str) -> list[str]:
+    """Words with `s` or `'s` at the end of the last; the name of a letter always takes `'s`."""
+    *first, last = words or [""]
+    return [*first, last.lower() + "'s" if len(last) == 1 else last + ending] if last else []
 
 
 def _pieces(word: str) -> list[str]:

@@ -7,16 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fapstream.tts.language import language
-from fapstream.tts.normalise import Item, fold_greek, fold_latin
-from fapstream.tts.segment import NewLine, Scanner
+from fapstream.tts.normalise import Item
+from fapstream.tts.segment import Run, Scanner
+from fapstream.tts.spelling import fold_greek, fold_latin
 
 
 def items(lang: str, text: str) -> list[Item]:
     rooms, scanner = language(lang), Scanner()
     events = [*scanner.feed(text), *scanner.end()]
-    return rooms.normalise(
-        [t for e in events if not isinstance(e, NewLine) for t in rooms.segmenter.tokens(*e)]
-    )
+    runs = [event for event in events if isinstance(event, Run)]
+    tokens = [token for run, start in runs for token in rooms.segmenter.tokens(run, start)]
+    return rooms.normalise.take(tokens, True).items
 
 
 def read(lang: str, text: str) -> str:
@@ -30,7 +31,7 @@ at 9:00 | at nine o'clock
 in 1984 and 2026 | in nineteen eighty four and twenty twenty six
 1,234,567 people | one million two hundred thirty four thousand five hundred sixty seven people
 3.14% of it | three point one four percent of it
-a -5 and 10-20 | a minus five and ten twenty
+a -5 and 10-20 | a minus five and ten to twenty
 the 1990s | the nineteen nineties
 the 21st | the twenty first
 $2.50 or 5€ | two dollars and fifty cents or five euros
@@ -47,7 +48,7 @@ naïve Łódź straße | naive lodz strasse
 mail me@there.org | mail me at there dot org
 5 km | five kilometers
 ١٢ ＡＢＣ | twelve abc
-привет 你好 😀 word | word
+привет 你好 😀 word | grinning face word
 Γεια σου | γεια σου
 """
 

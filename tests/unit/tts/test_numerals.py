@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fapstream.tts.numerals import Numerals, greek_ending
+from fapstream.tts.numerals import Numerals, greek_ending, plural
 
 EN, EL = Numerals("en"), Numerals("el")
 
@@ -55,7 +55,8 @@ def test_greek_genders() -> None:
 @pytest.mark.parametrize(
     ("year", "words"),
     [
-        (1066, "one thousand sixty six"),
+        (1066, "ten sixty six"),
+        (2004, "two thousand four"),
         (1900, "nineteen hundred"),
         (1905, "nineteen oh five"),
         (1984, "nineteen eighty four"),
@@ -69,19 +70,45 @@ def test_years(year: int, words: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("time", "english", "greek"),
+    ("hour", "minute", "words"),
+    [(21, 45, "twenty one forty five"), (8, 5, "eight oh five"), (0, 30, "zero thirty")],
+)
+def test_clock(hour: int, minute: int, words: str) -> None:
+    assert " ".join(EN.hour(hour) + EN.minute(minute)) == words
+
+
+@pytest.mark.parametrize(
+    ("digits", "words"),
     [
-        ((21, 45), "twenty one forty five", "είκοσι μία και σαράντα πέντε"),
-        ((9, 0), "nine o'clock", "εννέα"),
-        ((21, 0), "twenty one hundred", "είκοσι μία"),
-        ((0, 0), "zero hundred", "μηδέν"),
-        ((8, 5), "eight oh five", "οκτώ και πέντε"),
-        ((3, 1, 2), "three oh one and two", "τρεις και ένα και δύο"),
+        ("7", "seven"),
+        ("52", "fifty two"),
+        ("320", "three twenty"),
+        ("300", "three hundred"),
+        ("707", "seven oh seven"),
+        ("1702", "seventeen oh two"),
+        ("1700", "seventeen hundred"),
+        ("2000", "two thousand"),
+        ("007", "zero zero seven"),
+        ("12345", "one two three four five"),
     ],
 )
-def test_clock(time: tuple[int, ...], english: str, greek: str) -> None:
-    assert " ".join(EN.clock(*time)) == english
-    assert " ".join(EL.clock(*time)) == greek
+def test_numbers_in_names(digits: str, words: str) -> None:
+    assert " ".join(EN.code(digits)) == words
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (2, 1, "half"),
+        (2, 3, "halves"),
+        (4, 3, "quarters"),
+        (3, 1, "third"),
+        (3, 2, "thirds"),
+        (20, 7, "twentieths"),
+    ],
+)
+def test_denominators(lower: int, upper: int, words: str) -> None:
+    assert " ".join(EN.denominator(lower, upper)) == words
 
 
 def test_decimals() -> None:
@@ -89,15 +116,6 @@ def test_decimals() -> None:
     assert EL.number("3", "14") == ["τρία", "κόμμα", "δεκατέσσερα"]
     assert EL.number("3", "05") == ["τρία", "κόμμα", "μηδέν", "πέντε"]
     assert EN.number("007") == ["zero", "zero", "seven"]
-
-
-def test_money() -> None:
-    assert " ".join(EN.money("$", "2", "50")) == "two dollars and fifty cents"
-    assert " ".join(EN.money("$", "1")) == "one dollar"
-    assert " ".join(EN.money("£", "0", "01")) == "zero pounds and one penny"
-    assert " ".join(EN.money("€", "2", "5")) == "two point five euros"
-    assert " ".join(EL.money("€", "12", "30")) == "δώδεκα ευρώ και τριάντα λεπτά"
-    assert " ".join(EL.money("£", "3")) == "τρεις λίρες"
 
 
 @pytest.mark.parametrize(
@@ -134,3 +152,4 @@ def test_greek_ending() -> None:
 def test_decades() -> None:
     assert EN.decade(1990) == ["nineteen", "nineties"]
     assert EN.decade(2000) == ["two", "thousands"]
+    assert plural(["thirty", "six"]) == ["thirty", "sixes"]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fapstream.tts.segment import MAX_TOKEN, NewLine, Scanner, Segmenter, Token, core, ends_before
 
-ABBREVIATIONS = {"Dr.": ("doctor", ""), "etc.": ("et cetera", "end"), "No.": ("number", "number")}
+ABBREVIATIONS = {"Dr.": "", "etc.": "end", "No.": "number"}
 
 
 def runs(*fragments: str) -> list[tuple[str, int] | NewLine]:
@@ -71,6 +71,9 @@ def test_endless_runs_are_cut() -> None:
         ("No.", "number"),
         ("3.5", ""),
         ("21:45", ""),
+        ("etc.,", "comma"),
+        ("(212)", ""),
+        ("#word", ""),
         ("-", "dash"),
     ],
 )
@@ -89,7 +92,11 @@ def test_what_the_next_token_decides() -> None:
     assert not ends_before("capital", "the")
     assert ends_before("number", "Really")
     assert not ends_before("number", "5")
-    assert not ends_before("", "The")
+    assert ends_before("capital", "The", {"The"})
+    assert ends_before("capital", "“The”,", {"The"})
+    assert not ends_before("capital", "President", {"The"})
+    assert ends_before("date", "the")
+    assert not ends_before("date", "2026")
 
 
 def test_cuts_inside_a_run() -> None:
@@ -132,6 +139,12 @@ def test_brackets_make_a_pause() -> None:
         ("they)", "comma"),
         ("go", ""),
     ]
+
+
+def test_footnote_marks_are_passed_over_and_addresses_are_whole() -> None:
+    assert [(t.text, t.stop) for t in tokens("fell.[12] Then")] == [("fell.", "sentence"), ("Then", "")]
+    assert [t.text for t in tokens("https://example.com/a?b--c")] == ["https://example.com/a?b--c"]
+    assert [t.word for t in tokens("CO₂ x² (word) #word")] == ["", "", "", "word", ""]
 
 
 def test_core() -> None:
