@@ -13,11 +13,10 @@ LEAF marks a leaf whose label is `value`.
 
 from __future__ import annotations
 
+import sys
 import zlib
 from array import array
 from collections.abc import Sequence
-
-import numpy as np
 
 from fapstream.errors import DataError
 
@@ -67,14 +66,13 @@ class LetterToSound:
             raise DataError("letter-to-sound trees", None, "not a tree file")
         head, _, body = zlib.decompress(data[4:]).partition(b"\n")
         self.labels = [() if t == "-" else tuple(t.split("+")) for t in head.decode().split(" ")]
-        k = int(np.frombuffer(body, "<u4", 1)[0])
-        *roots, count = np.frombuffer(body, "<u4", 26 * k + 1, 4).tolist()
+        (k,) = _uint32(body, 0, 1)
+        *roots, count = _uint32(body, 4, 26 * k + 1)
         self._roots = [roots[letter * k : (letter + 1) * k] for letter in range(26)]
         at = 4 * (26 * k + 2)
         self._feature = body[at : at + count]
         self._value = body[at + count : at + 2 * count]
-        otherwise = np.frombuffer(body, "<u4", count, at + 2 * count)
-        self._otherwise = array("I", otherwise.astype(np.uint32).tobytes())
+        self._otherwise = _uint32(body, at + 2 * count, count)
         self._primary = [any(token.endswith("1") for token in label) for label in self.labels]
 
     def __call__(self, word: str) -> tuple[str, ...]:
@@ -101,6 +99,14 @@ class LetterToSound:
         while feature[node] != LEAF:
             node = node + 1 if asked[feature[node]] == value[node] else self._otherwise[node]
         return value[node]
+
+
+def _uint32(data: bytes, at: int, count: int) -> array[int]:
+    """Little-endian numbers."""
+    numbers = array("I", data[at : at + 4 * count])
+    if sys.byteorder == "big":
+        numbers.byteswap()
+    return numbers
 
 
 def one_primary(tokens: Sequence[str]) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ capitals.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -84,12 +84,35 @@ class _Part:
     optional: tuple[_Part, ...] = ()
 
 
-class _Rule(NamedTuple):
-    """One line of the table; `after`: what the word before must be, None if that does not matter."""
+class _Rule:
+    """One line of the table; `after`: what the word before must be, None if that does not matter.
 
-    after: re.Pattern[str] | None
-    regex: re.Pattern[str]
-    parts: tuple[_Part, ...]
+    The expression is compiled when it is first tried: all of them together take longer than everything else
+    that a language needs to begin.
+    """
+
+    __slots__ = ("_match", "after", "expression", "parts")
+
+    def __init__(self, after: re.Pattern[str] | None, expression: str, parts: tuple[_Part, ...]) -> None:
+        self.after = after
+        self.parts = parts
+        self.expression = expression
+        self._match: Callable[[str, int], re.Match[str] | None] | None = None
+
+    def match(self, text: str, at: int) -> re.Match[str] | None:
+        """What it finds at a place."""
+        if self._match is None:
+            self._match = re.compile(self.expression).match
+        return self._match(text, at)
+
+    def check(self, readers: Container[str]) -> None:
+        """Raises re.error or KeyError if the table's line makes no sense."""
+        groups = set(re.compile(self.expression).groupindex)
+        for part in _flat(self.parts):
+            if part.group and not {part.group, part.other} - {""} <= groups:
+                raise KeyError(part.group)
+            if part.reader and part.reader not in readers:
+                raise KeyError(part.reader)
 
 
 class Vocabulary:
@@ -144,6 +167,7 @@ class Patterns:
 
     def __init__(self, path: str, vocabulary: Vocabulary, readers: Mapping[str, Reader]) -> None:
         """Raises DataError naming the line that cannot be understood."""
+        self._path = path
         self._vocabulary = vocabulary
         self._readers = readers
         self._macros = {name: vocabulary.alternatives(name) for name in vocabulary.classes}
@@ -155,6 +179,16 @@ class Patterns:
                 self._line(where, pattern, reading)
             except (KeyError, ValueError, re.error) as error:
                 raise DataError(path, line, f"cannot understand the pattern ({error})") from error
+
+    def check(self) -> None:
+        """Compiles every expression. Raises DataError for one that cannot be, or whose reading makes no sense."""
+        readers = {*self._readers, *self._vocabulary.classes}
+        for place, rules in self._rules.items():
+            for rule in rules:
+                try:
+                    rule.check(readers)
+                except (KeyError, re.error) as error:
+                    raise DataError(self._path, None, f"{place}: {rule.expression[:60]} ({error})") from error
 
     @property
     def places(self) -> list[str]:
@@ -168,11 +202,11 @@ class Patterns:
     def read(self, where: str, text: str, at: int, before: str) -> tuple[list[Reading], int] | None:
         """The readings, in order, and the end of what the first matching pattern finds at `at`; None if none
         matches. `before`: the word before, as written."""
-        for after, regex, parts in self._rules.get(where, ()):
-            if after and not after.fullmatch(before):
+        for rule in self._rules.get(where, ()):
+            if rule.after and not rule.after.fullmatch(before):
                 continue
-            if match := regex.match(text, at):
-                return self._spans(Found(match, before.lower()), parts), match.end()
+            if match := rule.match(text, at):
+                return self._spans(Found(match, before.lower()), rule.parts), match.end()
         return None
 
     def _line(self, where: str, pattern: str, reading: str) -> None:
@@ -183,23 +217,13 @@ class Patterns:
             self.going_on |= set(pattern.split())
             return
         expanded = self._expanded(pattern.removesuffix("~"))
-        regex = re.compile(expanded if pattern.endswith("~") else expanded + r"(?!\w)")
+        expanded += "" if pattern.endswith("~") else r"(?!\w)"
         parts, rest = self._parsed(reading.split())
         if rest:
             raise ValueError("an unexpected ]")
         place, _, after = where.partition(" after ")
-        groups = set(regex.groupindex)
-        for part in _flat(parts):
-            if part.group and not {part.group, part.other} - {""} <= groups:
-                raise KeyError(part.group)
-            if (
-                part.reader
-                and part.reader not in self._readers
-                and part.reader not in self._vocabulary.classes
-            ):
-                raise KeyError(part.reader)
         condition = re.compile(self._expanded(after)) if " after " in where else None
-        self._rules.setdefault(place, []).append(_Rule(condition, regex, parts))
+        self._rules.setdefault(place, []).append(_Rule(condition, expanded, parts))
 
     def _expanded(self, pattern: str) -> str:
         return re.sub(r"\{([a-z_]+)\}", lambda m: self._macros[m.group(1)], pattern)

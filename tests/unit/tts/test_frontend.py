@@ -372,7 +372,22 @@ def test_rate_and_pitch() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", " ", "\n\n", "\U0001fae8\U0001fae8", "—", "...", "\ud800", "\x00\x01", "привет", "'", "* * *", "\u0301", "ﷺ"]
+    "text",
+    [
+        "",
+        " ",
+        "\n\n",
+        "\U0001fae8\U0001fae8",
+        "—",
+        "...",
+        "\ud800",
+        "\x00\x01",
+        "привет",
+        "'",
+        "* * *",
+        "\u0301",
+        "ﷺ",
+    ],
 )
 def test_what_cannot_be_spoken_is_skipped(text: str) -> None:
     assert spoken("en", text) == []
