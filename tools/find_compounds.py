@@ -3,8 +3,9 @@
 
 usage: tools/find_compounds.py path/to/cmudict.dict [--least 6] [--share 0.85] [--output F]
 
-Every word of CMUdict that is two of its words is pronounced from them; a first or second part is kept if it occurs in
-at least so many such words and that share of them sound like their parts. The tenth kept apart is not looked at.
+Every word of CMUdict that is two of its words is pronounced from them; a first or second part is kept if it
+occurs in at least so many such words and that share of them sound like their parts. The tenth kept apart is
+not looked at.
 """
 
 from __future__ import annotations

@@ -3,10 +3,11 @@
 
 usage: tools/fit_durations.py path/to/grid-s1 [--rounds 12] [--firm 1.0]
 
-Klatt's rules keep their form; their factors and the mean durations of phones are moved, one after the other, to
-where the squared difference to the recordings is least (coordinate descent on logarithms), the plan scaled to their
-mean. The speaker says quick commands, not news: so every value is held near the one it has by a penalty,
-`--firm` times as strong as one that lets a value move by a fifth for a hundredth of the error. The hundred sentences kept apart in split.json are measured before and after.
+Klatt's rules keep their form; their factors and the mean durations of phones are moved, one after the other,
+to where the squared difference to the recordings is least (coordinate descent on logarithms), the plan
+scaled to their mean. The speaker says quick commands, not news: so every value is held near the one it has
+by a penalty, `--firm` times as strong as one that lets a value move by a fifth for a hundredth of the error.
+The hundred sentences kept apart in split.json are measured before and after.
 """
 
 from __future__ import annotations

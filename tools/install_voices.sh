@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Install MBROLA and its voices on a Debian-like system, as root, from the archive that the machine already uses.
+# install_voices.sh voice...: MBROLA and these voices on a Debian-like system, as root, from the archive that the
+# machine already uses.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -20,4 +21,4 @@ cat /dev/null /etc/apt/sources.lis[t] /etc/apt/sources.list.d/*.list |
 options=(-o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$work/parts" -o "Dir::State::lists=$work/lists")
 apt-get "${options[@]}" -qq update
 DEBIAN_FRONTEND=noninteractive apt-get "${options[@]}" -y -qq --no-install-recommends install \
-  mbrola mbrola-us1 mbrola-en1 mbrola-gr1 mbrola-gr2 >/dev/null
+  mbrola "${@/#/mbrola-}" >/dev/null

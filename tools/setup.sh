@@ -68,16 +68,21 @@ make_venv() {
   echo "$want" >"$stamp"
 }
 
-have_voices() { command -v mbrola >/dev/null && ls /usr/share/mbrola/{us1,en1,gr1,gr2}/* >/dev/null 2>&1; }
+have_voices() { # have_voices voice...
+  local v
+  command -v mbrola >/dev/null || return
+  for v in "$@"; do [ -e "/usr/share/mbrola/$v/$v" ] || return; done
+}
 
 # MBROLA and its voices are in Debian's contrib and non-free. Only for this one installation, the machine's own
 # sources are read with those components; nothing in /etc/apt is changed.
-install_voices() {
+install_voices() { # install_voices [voice...]
   local refused=$venv/.fapstream-no-mbrola
-  have_voices && return
+  [ $# -gt 0 ] || set -- us1 en1 gr1 gr2
+  have_voices "$@" && return
   if debian_like && [ ! -e "$refused" ]; then
-    as_root "MBROLA and the voices us1 en1 gr1 gr2 (their licences forbid shipping them)" \
-      bash "$root/tools/install_voices.sh" && have_voices && return
+    as_root "MBROLA and the voices $* (their licences forbid shipping them)" \
+      bash "$root/tools/install_voices.sh" "$@" && have_voices "$@" && return
     touch "$refused"
   fi
   say "MBROLA is not installed: the embedded voice (eSpeak NG) serves instead (to be asked again: rm $refused)"

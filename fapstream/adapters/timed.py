@@ -2,17 +2,17 @@
 
 JSON lines, UTF-8. The first line is `{"sample_rate": 22050}`. Then, in order:
 
-    {"phone": "a", "start": 0.120, "duration": 0.085}   a phone of the language (`fapstream phonemes`), seconds
-    {"pcm": "..."}                                      sound: base64 of little-endian int16, mono
+    {"phone": "a", "start": 0.120, "duration": 0.085}   a phone of the language (`fapstream phonemes`),
+    seconds {"pcm": "..."}                                      sound: base64 of little-endian int16, mono
 
-Sounds follow each other without a gap from 0 s on, and no phone comes later than the sound in which it begins. A
-program is given, a line each, what is to be said, and ends when its input does:
+Sounds follow each other without a gap from 0 s on, and no phone comes later than the sound in which it
+begins. A program is given, a line each, what is to be said, and ends when its input does:
 
     {"lang": "en", "closed": true, "words": ["Hello"],
      "phones": [{"phone": "h", "duration": 0.07, "pitch": [[0, 120.0]], "stress": 0, "word": 0}, ...]}
 
-`pitch` is (percent of the duration, Hz). `closed`: a pause follows. Words and gains of the planned phones go with
-the timed ones of the same name, in order; a voice may leave phones out or add some.
+`pitch` is (percent of the duration, Hz). `closed`: a pause follows. Words and gains of the planned phones go
+with the timed ones of the same name, in order; a voice may leave phones out or add some.
 """
 
 from __future__ import annotations

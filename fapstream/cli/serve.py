@@ -23,7 +23,8 @@ PORT = 8765
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """--host, --port, --voice, --lang, --head, --verbose, and how turns are read that do not say otherwise."""
+    """--host, --port, --voice, --lang, --head, --verbose, and how turns are read that do not say
+    otherwise."""
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen on (default: this machine only)"
     )

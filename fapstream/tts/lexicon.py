@@ -1,8 +1,8 @@
 """A pronunciation lexicon: every word with its phones as a string of one-character codes.
 
 File: the magic `FLX2`, then zlib-compressed ASCII of three parts, each ended by NUL: token names separated by
-blanks, the words in alphabetical order separated by newlines, and in the same order their codes. A code is the
-character CODE_BASE + the index of the token's name; a token is a phone with its stress digit.
+blanks, the words in alphabetical order separated by newlines, and in the same order their codes. A code is
+the character CODE_BASE + the index of the token's name; a token is a phone with its stress digit.
 """
 
 from __future__ import annotations

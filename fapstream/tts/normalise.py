@@ -183,7 +183,8 @@ class Normaliser:
         return True
 
     def _is_alone(self, token: Token) -> bool:
-        """Whether no pattern can begin at a token: initials, or an abbreviation that is read the same always."""
+        """Whether no pattern can begin at a token: initials, or an abbreviation that is read the same
+        always."""
         bare = core(token.text)
         forms = (bare, bare.removesuffix("."))
         fixed = INITIALS.fullmatch(bare) or any(form in self._abbreviations for form in forms)

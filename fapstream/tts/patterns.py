@@ -181,7 +181,8 @@ class Patterns:
                 raise DataError(path, line, f"cannot understand the pattern ({error})") from error
 
     def check(self) -> None:
-        """Compiles every expression. Raises DataError for one that cannot be, or whose reading makes no sense."""
+        """Compiles every expression. Raises DataError for one that cannot be, or whose reading makes no
+        sense."""
         readers = {*self._readers, *self._vocabulary.classes}
         for place, rules in self._rules.items():
             for rule in rules:

@@ -1,8 +1,9 @@
 """Ordered four-part rewrite rules: left context, text, right context, output. The first that matches wins.
 
 The rules that begin with the same symbol are compiled into one regular expression whose alternatives are the
-rules in order, so that at each place one call of the matcher finds the rule. Symbols are single characters; a table over
-phones is handed an `encode` that names the character, or the several characters, that a phone stands for.
+rules in order, so that at each place one call of the matcher finds the rule. Symbols are single characters;
+a table over phones is handed an `encode` that names the character, or the several characters, that a phone
+stands for.
 
 A context is a sequence of items separated by blanks: a symbol, a class defined by a line
 `class NAME symbol ...` (its symbols may be several characters wide; a second line adds to it), `!item` for

@@ -2,9 +2,10 @@
 
 usage: tools/bench durations [--json] [--grid DIRECTORY]
 
-Phones of the same name are compared one by one along the text; ours are scaled to the other side's mean first, because
-speaking rates differ. --grid: the folder of the GRID recordings' alignment (phones.json, phone_durations.tsv),
-which is not part of the project: there a man speaks quick command sentences, and espeak-ng is compared with him too.
+Phones of the same name are compared one by one along the text; ours are scaled to the other side's mean
+first, because speaking rates differ. --grid: the folder of the GRID recordings' alignment (phones.json,
+phone_durations.tsv), which is not part of the project: there a man speaks quick command sentences, and
+espeak-ng is compared with him too.
 """
 
 from __future__ import annotations

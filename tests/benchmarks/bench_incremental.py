@@ -2,10 +2,10 @@
 
 usage: tools/bench incremental [--json]
 
-The text is the Universal Declaration of Human Rights. Price: durations and pitch of the phones, word by word the
-same in every plan, against the plan with unlimited look-ahead. Gain: text comes at so many words a second; onset is
-the time from the first word's arrival to when its phones are certain; gaps are what a listener waits in between,
-the sound played as soon as it can be.
+The text is the Universal Declaration of Human Rights. Price: durations and pitch of the phones, word by word
+the same in every plan, against the plan with unlimited look-ahead. Gain: text comes at so many words a
+second; onset is the time from the first word's arrival to when its phones are certain; gaps are what a
+listener waits in between, the sound played as soon as it can be.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 usage: tools/bench phonetiser [--json] [--greek-list greek_wikipron_dev.tsv] [--runs N]
 
-Speed: the first 1000 words of the Universal Declaration of Human Rights in English and in Greek, one thread, after
-warm-up on another text, everything up to the last phone's pitch; `espeak-ng` writing .pho for the same words, the
-whole command. English words: the tenth of CMUdict that the trees were never shown (split by the word's CRC-32).
-Greek words: a list in WikiPron's format, which is not part of the project: say where it is.
+Speed: the first 1000 words of the Universal Declaration of Human Rights in English and in Greek, one thread,
+after warm-up on another text, everything up to the last phone's pitch; `espeak-ng` writing .pho for the same
+words, the whole command. English words: the tenth of CMUdict that the trees were never shown (split by the
+word's CRC-32). Greek words: a list in WikiPron's format, which is not part of the project: say where it is.
 """
 
 from __future__ import annotations
@@ -98,7 +98,8 @@ def speed(runs: int) -> dict[str, float]:
 
 
 def start_up(runs: int) -> dict[str, float]:
-    """Milliseconds from `import` to the first phones, and what the English lexicon and trees take in memory."""
+    """Milliseconds from `import` to the first phones, and what the English lexicon and trees take in
+    memory."""
     out: dict[str, float] = {}
     for lang, word in (("en", "Hello."), ("el", "Γεια.")):
         code = READY.format(lang=lang, word=word, lexicon="")
@@ -116,7 +117,8 @@ def _run(code: str) -> tuple[float, int]:
 
 
 def english(limit: int) -> dict[str, dict[str, float]]:
-    """Held-out words: ours by the trees alone, ours with stems and compounds of the other nine tenths, others."""
+    """Held-out words: ours by the trees alone, ours with stems and compounds of the other nine tenths,
+    others."""
     words = english_list.held_out(limit)
     found = {}
     for name, predict in english_list.contestants(words).items():

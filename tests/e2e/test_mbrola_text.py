@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fapstream.tts import FrontEnd, Realiser, Voice, voices
+from fapstream.tts import FrontEnd, Manner, Realiser, Voice, voices
 from fapstream.tts.english import english
 
 DATABASES = Path("/usr/share/mbrola")
@@ -44,7 +44,7 @@ def speak(v: Voice, lines: str) -> tuple[int, str, int]:
 
 def written(v: Voice, text: str, step: int) -> tuple[str, int]:
     """The .pho of a text fed `step` characters at a time with a hold now and then, and its samples."""
-    front, realiser = FrontEnd(v.lang, f0_hz=v.f0_hz), Realiser(v)
+    front, realiser = FrontEnd(v.lang, Manner(look_ahead=0).of(v)), Realiser(v)
     utterances = []
     for at in range(0, len(text), step):
         utterances += front.feed(text[at : at + step])
@@ -52,9 +52,9 @@ def written(v: Voice, text: str, step: int) -> tuple[str, int]:
             utterances += front.hold()
     lines, samples = "", 0
     for utterance in utterances + front.end():
-        more, ends = realiser.lines(utterance.phones)
-        lines += more
-        samples += ends[-1]
+        written = realiser.write(utterance)
+        lines += written.lines
+        samples += written.ends[-1] if written.ends else 0
     return lines, samples
 
 
