@@ -4,8 +4,8 @@
 usage: tools/fuzz_voices.py [--words 1000000] [--voice us1 ...] [--seed 1]
 
 Words of the lexicon and invented ones, in any order and mixture of languages, with punctuation, numbers and
-mark-up between them, go through the front-end and the writer of .pho as they do in a talk, in fragments of any
-length. MBROLA runs without -e: a diphone that its database lacks would end it. It must say nothing on its
+mark-up between them, go through the front-end and the writer of .pho as they do in a talk, in fragments of
+any length. MBROLA runs without -e: a diphone that its database lacks would end it. It must say nothing on its
 standard error, end with status 0, and make the samples that it was asked for, less than a pitch period fewer.
 """
 

@@ -146,7 +146,8 @@ class TimedVoice:
             await end_program(self._program)
 
     async def _send(self, row: dict[str, Any]) -> None:
-        assert self._program and self._program.stdin
+        assert self._program
+        assert self._program.stdin
         try:
             self._program.stdin.write(json.dumps(row, ensure_ascii=False).encode() + b"\n")
             await self._program.stdin.drain()

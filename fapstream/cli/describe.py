@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 from fapstream.records import Phone, Utterance, Word
@@ -38,7 +39,7 @@ def lines(words: Sequence[dict[str, Any]]) -> Iterator[str]:
         reading = "" if spoken == word["word"].lower() else f"  «{spoken}»"
         yield f"{word['word']:<20} {total:5.0f} ms  {word['path']}{reading}"
         edges = [*word["syllables"], len(word["phones"])]
-        for first, end in zip(edges, edges[1:], strict=False):
+        for first, end in pairwise(edges):
             syllable = word["phones"][first:end]
             mark = STRESS[max((p["stress"] for p in syllable), key=(0, 2, 1).index)]
             phones = " ".join(f"{p['phone']}:{p['duration_ms']:.0f}" for p in syllable)

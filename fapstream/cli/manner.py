@@ -21,20 +21,26 @@ def add_manner(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--pitch", type=between(0.25, 4.0), metavar="X", help="pitch, 1 is the voice's own")
     group.add_argument("--volume", type=between(0.0, 4.0), metavar="X", help="loudness, 1 is the voice's own")
     group.add_argument(
-        "--look-ahead", type=look_ahead, metavar="N",
+        "--look-ahead",
+        type=look_ahead,
+        metavar="N",
         help="words that are waited for before a word is spoken: 0, 1, 2, ... or `phrase` (default: "
         f"{DEFAULT_LOOK_AHEAD} for a text that is still being written, else phrase)",
-    )  # fmt: skip
+    )
     group.add_argument(
-        "--lexicon", type=Path, metavar="F.tsv",
+        "--lexicon",
+        type=Path,
+        metavar="F.tsv",
         help="own pronunciations: a word, a tab, and its phones as `fapstream phonemes` shows them, or in "
         "quotation marks the words it is read as",
-    )  # fmt: skip
+    )
     group.add_argument(
-        "--profile", type=Path, metavar="F.toml",
-        help="own rhythm and melody: rate, pitch, volume, [phones.en] with mean durations in ms, and any entry "
-        "of the package's prosody.toml",
-    )  # fmt: skip
+        "--profile",
+        type=Path,
+        metavar="F.toml",
+        help="own rhythm and melody: rate, pitch, volume, [phones.en] with mean durations in ms, and any "
+        "entry of the package's prosody.toml",
+    )
 
 
 def look_ahead(text: str) -> int:

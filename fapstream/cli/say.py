@@ -47,19 +47,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--marks", type=Path, metavar="F", help="write phone, word and caption times as JSON")
     parser.add_argument(
         "--explain", action="store_true",
-        help="print for each word how it was read and where its phones come from: your lexicon (user), the "
-        "language's (lexicon), its stem and ending (stem), two words in one (compound), letter-to-sound trees "
-        "(tree), rules (rule), or the name of a letter (letter)",
+        help="print for each word how it was read and where its phones come from: your lexicon (user), "
+        "the language's (lexicon), its stem and ending (stem), two words in one (compound), letter-to-sound "
+        "trees (tree), rules (rule), or the name of a letter (letter)",
     )  # fmt: skip
     parser.add_argument(
         "--timed", type=Path, metavar="F.jsonl",
-        help="take the voice from a file: JSON lines with sample_rate, then phones with start and duration in "
-        "seconds, and pcm; TEXT is what it says",
+        help="take the voice from a file: JSON lines with sample_rate, then phones with start and duration "
+        "in seconds, and pcm; TEXT is what it says",
     )  # fmt: skip
     parser.add_argument(
         "--voice-program", metavar="COMMAND",
-        help="speak with a program of your own: it is given the planned phones as JSON lines, and answers with "
-        "lines as in --timed",
+        help="speak with a program of your own: it is given the planned phones as JSON lines, and answers "
+        "with lines as in --timed",
     )  # fmt: skip
     parser.add_argument("--play", action="store_true", help="play it (the default if no file is asked for)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks and head motion")

@@ -66,7 +66,7 @@ class Service:
     heads: Callable[[], tuple[str, ...]]
     lang: str = "en"
     voice: str | None = None
-    manner: Manner = Manner(look_ahead=DEFAULT_LOOK_AHEAD)
+    manner: Manner = field(default_factory=lambda: Manner(look_ahead=DEFAULT_LOOK_AHEAD))
     """How turns are read that do not say otherwise; its lexicon is for `lang` only."""
 
 

@@ -9,6 +9,7 @@ from functools import cache
 
 from fapstream.records import Spoken
 from fapstream.tts.english import english
+from fapstream.tts.greek_readers import GreekReaders
 from fapstream.tts.normalise import Normaliser
 from fapstream.tts.numerals import Numerals
 from fapstream.tts.patterns import Found, Patterns, Vocabulary
@@ -19,6 +20,9 @@ from fapstream.tts.say_as import SayAs
 from fapstream.tts.segment import Segmenter
 from fapstream.tts.spelling import Speller
 from fapstream.tts.tables import read_rows, require_language
+
+_READERS: dict[str, type[Readers]] = {"el": GreekReaders}
+"""Languages whose numbers agree with the words around them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +61,7 @@ def language(name: str) -> Language:
     known = {form: entry.one.split() for form, entry in vocabulary.known.items()}
     speller = Speller(_is_english_word, known)
     numerals = Numerals(name)
-    readers = Readers(numerals, vocabulary, speller.words).table()
+    readers = _READERS.get(name, Readers)(numerals, vocabulary, speller.words).table()
     patterns = Patterns(f"{name}/patterns.tsv", vocabulary, readers)
     normalise = Normaliser(vocabulary, patterns, speller)
     segmenter = Segmenter(name, vocabulary.ends)

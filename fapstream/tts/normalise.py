@@ -19,14 +19,16 @@ from fapstream.tts.patterns import Patterns, Reading, Vocabulary
 from fapstream.tts.segment import INITIALS, UNDECIDED, Token, core
 from fapstream.tts.spelling import Speller, ended
 
-_IGNORED = "\u0300-\u036f\u00ad\u200b-\u200d\u2060"
-_GREEK = f"[\u0370-\u0373\u0376\u0377\u037b-\u037d\u0386\u0388-\u03ff\u1f00-\u1fff][{_IGNORED}]*"
+_IGNORED = "\u0300-\u036f\u00ad\u200b-\u200d\u2060\ufeff"
+_GREEK = f"[\u00b5\u0370-\u0373\u0376\u0377\u037b-\u037d\u0386\u0388-\u03ff\u1f00-\u1fff][{_IGNORED}]*"
 _ROMAN = "a-zA-Z\u00aa\u00ba\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u024f\u1e00-\u1eff\ufb00-\ufb06\uff21-\uff5a"
 _LATIN = f"[{_ROMAN}][{_IGNORED}]*"
-_WORDS = re.compile(rf"(?P<greek>(?:{_GREEK})+)|(?P<latin>(?:{_LATIN})+(?:['’](?:{_LATIN})+)*)")
+_WORDS = re.compile(rf"[\u0384\u00b4]?(?:{_GREEK}|{_LATIN})+(?:['’](?:{_LATIN})+)*")
 _SIGNS = "#+-−."
 _NUMERIC = re.compile(r"[#+\-−.]{0,2}\d")
-_STARTER = re.compile(r"(?:[^\W\d_]|\.(?=[^\W\d_]))+[.$]?")
+_STARTER = re.compile(r"(?:[^\W\d_]|\.(?=[^\W\d_]))+[.$']?")
+_PRIMES = dict.fromkeys("’΄´ʹ᾽′", "'")
+"""Signs that stand for the one after a Greek numeral, or for what an elided word has lost."""
 _POSSESSIVE = re.compile(r"['’]s(?!\w)")
 _SUBSCRIPTS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 MAX_GROUP = 8
@@ -126,7 +128,9 @@ class Normaliser:
     def _starts(self, token: Token, before: str) -> bool:
         """Whether a pattern may begin with this word."""
         word = token.word
-        places = self._starters.get(word) or (len(word) < len(token.text) and self._starters.get(word + "."))
+        places = self._starters.get(word) or (
+            len(word) < len(token.text) and self._starters.get(_signed(token))
+        )
         return bool(places) and any(self._patterns.may_begin(place, before) for place in places or ())
 
     def _single(self, taken: Taken, token: Token, before: str) -> None:
@@ -137,8 +141,9 @@ class Normaliser:
             spoken = list(token.said)
             word = text
         else:
-            dotted = len(word) < len(text) and "." in text
-            entry = self._abbreviations.get(word) or (self._abbreviations.get(word + ".") if dotted else None)
+            entry = self._abbreviations.get(word)
+            if entry is None and len(word) < len(text):
+                entry = self._abbreviations.get(_signed(token))
             spoken = [*entry.one.split()] if entry else [*self._words(word)]
             if len(spoken) > 1 and word.isupper() and self._in_capitals(word, before):
                 spoken = [*self._words(word.lower())]
@@ -205,14 +210,22 @@ class Normaliser:
         for place in self._places(text, at):
             if found := self._patterns.read(place, text, at, before):
                 return found[0], max(found[1], at + 1)
-        if text[at].isalpha() and not text[at - 1 : at].isalnum() and (dotted := self._dotted(text, at)):
-            return [dotted], dotted.end
+        begins = text[at].isalpha() and not text[at - 1 : at].isalnum()
+        if begins and (known := self._written(joined, at) or self._dotted(text, at)):
+            return [known], known.end
         if word := _WORDS.match(text, at):
-            return [Reading(self._words(word.group()), at, word.end())], word.end()
+            return [Reading(self._inner(word.group(), text[word.end() :]), at, word.end())], word.end()
         entry = self._symbols.get(text[at])
         if entry and (text[at] not in BETWEEN or _between(text, at)):
             return [Reading([*entry.one.split()], at, at + 1)], at + 1
         return [], at + 1
+
+    def _inner(self, word: str, following: str) -> list[str]:
+        """A word inside of what is more than a plain word."""
+        if entry := self._abbreviations.get(word):
+            return entry.one.split()
+        code = len(word) == 1 and (word.isascii() or word.isupper()) and following[:1].isdigit()
+        return [word.upper()] if code else self._words(word)
 
     def _places(self, text: str, at: int) -> Sequence[str]:
         """Which patterns may begin here."""
@@ -222,23 +235,32 @@ class Normaliser:
             if not begins:
                 return ()
             written = word.group() if (word := _STARTER.match(text, at)) else sign
-            named = self._starters.get(written) or self._starters.get(written.rstrip(".$")) or ()
+            named = self._starters.get(written) or self._starters.get(written.rstrip(".$'")) or ()
             return ("start", *named, "word")
         if _NUMERIC.match(text, at):
             return (
                 ("start", "digit", "word") if begins else ("digit", "mark") if sign in _SIGNS else ("digit",)
             )
-        return (*self._starters.get(sign, ()), "mark")
+        first = () if text[at - 1 : at].isalnum() else ("start",)
+        return (*first, *self._starters.get(sign, ()), "mark")
+
+    def _written(self, joined: _Joined, at: int) -> Reading | None:
+        """A token that the vocabulary has with digits and all."""
+        token = joined.starts.get(at)
+        bare = core(token.text) if token else ""
+        entry = self._abbreviations.get(bare) if bare and token and token.text.startswith(bare) else None
+        return Reading([*entry.one.split()], at, at + len(bare)) if entry else None
 
     def _dotted(self, text: str, at: int) -> Reading | None:
         """An abbreviation with points in it, or initials, and the ending of a possessive."""
         word = _STARTER.match(text, at)
-        written = word.group().rstrip("$") if word else ""
+        written = word.group().rstrip("$'") if word else ""
         for form in (written, written.removesuffix(".")):
             if entry := self._abbreviations.get(form):
                 words = entry.one.split()
             elif "." in form and INITIALS.fullmatch(written) and len(written) > 2:
-                words = [c.upper() for c in form if c != "."]
+                plain = self._abbreviations.get(form.replace(".", ""))
+                words = plain.one.split() if plain else [c.upper() for c in form if c != "."]
             else:
                 continue
             end = at + len(form)
@@ -252,7 +274,7 @@ class _Joined:
     """Tokens as one text, a blank between them."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
-        self.text = ascii_digits(" ".join([t.text for t in tokens]))
+        self.text = plain_signs(" ".join([t.text for t in tokens]))
         self._written = " ".join([t.raw or t.text for t in tokens])
         self.starts: dict[int, Token] = {}
         self.ends: list[int] = []
@@ -306,8 +328,21 @@ def _between(text: str, at: int) -> bool:
     return text[max(at - 2, 0) : at].isalpha() and text[at + 1 : at + 3].isalpha()
 
 
-def ascii_digits(text: str) -> str:
-    """Decimal digits of any script, and lowered ones, as ASCII digits; the length does not change."""
+def plain_signs(text: str) -> str:
+    """Decimal digits of any script, and lowered ones, as ASCII digits, primes after a letter as apostrophes;
+    the length does not change."""
     if text.isascii():
         return text
-    return "".join(str(unicodedata.decimal(c)) if c.isdecimal() else c for c in text.translate(_SUBSCRIPTS))
+    text = text.translate(_SUBSCRIPTS)
+    out = [str(unicodedata.decimal(c)) if c.isdecimal() else c for c in text]
+    for at, c in enumerate(text):
+        if c in _PRIMES and text[at - 1 : at].isalpha():
+            out[at] = "'"
+    return "".join(out)
+
+
+def _signed(token: Token) -> str:
+    """The word of a token and the sign right after it."""
+    end = token.text.index(token.word) + len(token.word)
+    sign = token.text[end : end + 1]
+    return token.word + _PRIMES.get(sign, sign)

@@ -16,7 +16,8 @@ Words = list[str]
 class Numerals:
     """Cardinals, ordinals, decimals, fractions, years and clock times of one language.
 
-    Every method returns the spoken words. `gender` is "" for the counting form (neuter in Greek), "f" or "m".
+    Every method returns the spoken words. `gender` is "" for the counting form (neuter in Greek), "f" or "m",
+    or whatever else the tables of the language have forms for (see greek_agreement.py).
     """
 
     def __init__(self, lang: str) -> None:
@@ -45,7 +46,8 @@ class Numerals:
             if count == 1:
                 words += scale.get(f"one_{gender}", scale["one"]).split()
             elif count:
-                words += [*self.cardinal(count, scale.get("gender", "")), scale["many"]]
+                inner = scale.get(f"gender_{gender}", scale.get("gender", ""))
+                words += [*self.cardinal(count, inner), scale.get(f"many_{gender}", scale["many"])]
         return words + self._below_thousand(n, gender) if n or not words else words
 
     def _below_thousand(self, n: int, gender: str) -> Words:
@@ -83,7 +85,7 @@ class Numerals:
         if not fraction:
             return words
         by_digit = self._t["decimal_mark"] == "." or fraction[0] == "0" or len(fraction) > 2
-        tail = self.digits(fraction) if by_digit else self.cardinal(int(fraction))
+        tail = self.digits(fraction) if by_digit else self.cardinal(int(fraction), gender)
         return [*words, self._t["point"], *tail]
 
     def sign(self, sign: str) -> Words:
@@ -135,6 +137,11 @@ class Numerals:
         """Minutes after an hour: five is `oh five` where that is the custom."""
         zero = self._t.get("digits_zero") if n < 10 else None
         return [zero, *self.cardinal(n)] if zero else self.cardinal(n)
+
+    def half(self, n: int, gender: str = "") -> str:
+        """A whole number and a half as one word, "" if the language has none."""
+        own: str = self._t.get(f"halves_{gender}", {}).get(str(n), "")
+        return own or str(self._t.get("halves", {}).get(str(n), ""))
 
     def denominator(self, n: int, numerator: int) -> Words:
         """The lower number of a fraction; 1/4 -> quarter, 2/3 -> thirds."""

@@ -10,6 +10,8 @@ import re
 import unicodedata
 from collections.abc import Callable, Mapping
 
+from fapstream.tts.lookalikes import is_greek, one_script
+
 _ACCENTS = {"\u0300": "\u0301", "\u0301": "\u0301", "\u0342": "\u0301", "\u0308": "\u0308"}
 _EXTRA = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "th", "þ": "th", "ŋ": "ng"}
 _EXTRA_LATIN = str.maketrans(
@@ -17,6 +19,8 @@ _EXTRA_LATIN = str.maketrans(
 )
 _GREEK_VOWELS = "αεηιουωάέήίόύώϊϋΐΰ"
 _GREEK_LETTERS = "βγδζθκλμνξπρστφχψς" + _GREEK_VOWELS
+_ACCENTS_BEFORE = "\u0384\u00b4\u1fce\u1fde\u1fcd\u1fdd"
+"""Signs that old texts write before a capital instead of on it."""
 _VOWELS = frozenset("aeiouy")
 _ENDING = re.compile(r"([A-Z]{2,60})(['’]?s)")
 MAX_WORD = 60
@@ -40,9 +44,13 @@ class Speller:
             return found
         if text.isascii():
             return self._word(text)
-        if "\u0370" <= text[0] <= "\u03ff" or "\u1f00" <= text[0] <= "\u1fff":
-            return self._greek(text)
-        return self._word(fold_latin(text))
+        word = text.lower()
+        if not word.strip(_GREEK_LETTERS):
+            return self._greek(text, word.replace("ς", "σ"))
+        out: list[str] = []
+        for part in one_script(text):
+            out += self._greek(part, fold_greek(part)) if is_greek(part) else self._word(fold_latin(part))
+        return out
 
     def acronym(self, text: str) -> list[str]:
         """What is known of a written form, or of capitals with a small s; empty if nothing."""
@@ -58,9 +66,8 @@ class Speller:
         """Whether capitals can be a word."""
         return self._is_word(text.lower())
 
-    def _greek(self, text: str) -> list[str]:
-        """A Greek word: whole, or spelled where it has no vowel."""
-        word = fold_greek(text)
+    def _greek(self, text: str, word: str) -> list[str]:
+        """A Greek word: whole, or spelled where it has no vowel. `word`: in the letters that are spoken."""
         spelled = text.isupper() and len(word) > 1 and not any(c in _GREEK_VOWELS for c in word)
         if spelled or (len(word) == 1 and word in "βγδζθκλμνξπρστφχψ"):
             return [c.upper() for c in word]
@@ -105,6 +112,8 @@ def fold_greek(text: str) -> str:
     simple = text.lower()
     if not simple.strip(_GREEK_LETTERS):
         return simple.replace("ς", "σ")
+    if simple[0] in _ACCENTS_BEFORE:
+        simple = simple[1:2] + "\u0301" + simple[2:]
     decomposed = unicodedata.normalize("NFD", simple)
     kept = "".join(_ACCENTS.get(c, "") if unicodedata.combining(c) else c for c in decomposed)
     return "".join(c for c in unicodedata.normalize("NFC", kept) if c in _GREEK_LETTERS).replace("ς", "σ")

@@ -26,7 +26,7 @@ from tests.benchmarks import english_list, espeak, greek_list
 DATA = Path(__file__).parent / "data"
 WORDS = 1000
 WARM_UP = {
-    "en": "Yesterday it rained all day long; nobody went out, and by 9:30 the streets of Leeds were under water. "
+    "en": "Yesterday it rained all day long; nobody went out, and by 9:30 the streets were under water. "
     "Will the trains run again tomorrow? Engineers hope so! ",
     "el": "Χθες έβρεχε όλη τη μέρα· κανείς δεν βγήκε, και στις 9:30 οι δρόμοι της Λάρισας είχαν πλημμυρίσει. "
     "Θα ξανατρέξουν αύριο τα τρένα; Οι μηχανικοί το ελπίζουν! ",

@@ -53,16 +53,29 @@ async def heard(voice: TimedVoice, utterances: list[Utterance]) -> list[Speech]:
 
 
 async def test_a_file_with_phones_and_sound(tmp_path: Path) -> None:
-    rows = [phone("h", 0.0, 0.05), phone("@", 0.05, 0.05), pcm(1600), phone("l", 0.1, 0.05), phone("@U", 0.15, 0.1),
-            pcm(2400, 2000), phone("_", 0.3, 0.1), pcm(2400, 0)]  # fmt: skip
+    rows = [
+        phone("h", 0.0, 0.05),
+        phone("@", 0.05, 0.05),
+        pcm(1600),
+        phone("l", 0.1, 0.05),
+        phone("@U", 0.15, 0.1),
+        pcm(2400, 2000),
+        phone("_", 0.3, 0.1),
+        pcm(2400, 0),
+    ]
     voice = await TimedVoice.read(written(tmp_path / "a.jsonl", *rows), "en")
     assert voice.sample_rate == RATE
     speech = await heard(voice, planned("Hello."))
     assert [(s.start, len(s.pcm)) for s in speech] == [(0, 1600), (1600, 2400), (4000, 2400)]
     phones = [p for s in speech for p in s.phones]
     assert [(p.phone.name, p.start, p.end) for p in phones] == [
-        ("h", 0, 800), ("@", 800, 1600), ("l", 1600, 2400), ("@U", 2400, 4000), ("_", 4000, 4800), ("_", 4800, 6400),
-    ]  # fmt: skip
+        ("h", 0, 800),
+        ("@", 800, 1600),
+        ("l", 1600, 2400),
+        ("@U", 2400, 4000),
+        ("_", 4000, 4800),
+        ("_", 4800, 6400),
+    ]
     assert [p.text.text if p.text else None for p in phones] == ["Hello"] * 4 + [None] * 2
     assert phones[3].phone.stress == 1, "what was planned of a phone goes with it"
     assert phones[3].phone.duration_ms == pytest.approx(100)
@@ -73,20 +86,30 @@ async def test_phones_that_were_not_planned_or_are_left_out(tmp_path: Path) -> N
     voice = await TimedVoice.read(written(tmp_path / "a.jsonl", *rows), "en")
     (speech,) = await heard(voice, planned("Hello."))
     assert [(p.phone.name, p.text.text if p.text else None) for p in speech.phones] == [
-        ("h", "Hello"), ("l", "Hello"), ("z", None), ("@U", "Hello"),
-    ]  # fmt: skip
+        ("h", "Hello"),
+        ("l", "Hello"),
+        ("z", None),
+        ("@U", "Hello"),
+    ]
 
 
 @pytest.mark.parametrize(
     ("row", "reason"),
     [
-        ("{", "not a line of JSON"), ("[1]", "not an object"), ('{"phone": "q9", "start": 0, "duration": 1}', "there are"),
-        ('{"phone": "h", "start": -1, "duration": 1}', "start is -1"), ('{"phone": "h", "start": 0}', "duration is None"),
-        ('{"phone": "h", "start": 0, "duration": NaN}', "duration is nan"), ('{"phone": "h", "start": true}', "start"),
-        ('{"pcm": "!"}', "base64"), ('{"pcm": "AAAA"}', "no int16"), ('{"pcm": 5}', "base64"), ("[" * 5000, "JSON"),
+        ("{", "not a line of JSON"),
+        ("[1]", "not an object"),
+        ('{"phone": "q9", "start": 0, "duration": 1}', "there are"),
+        ('{"phone": "h", "start": -1, "duration": 1}', "start is -1"),
+        ('{"phone": "h", "start": 0}', "duration is None"),
+        ('{"phone": "h", "start": 0, "duration": NaN}', "duration is nan"),
+        ('{"phone": "h", "start": true}', "start"),
+        ('{"pcm": "!"}', "base64"),
+        ('{"pcm": "AAAA"}', "no int16"),
+        ('{"pcm": 5}', "base64"),
+        ("[" * 5000, "JSON"),
         ('{"x": "' + "y" * MAX_LINE + '"}', "more than"),
     ],
-)  # fmt: skip
+)
 async def test_bad_lines_are_named(tmp_path: Path, row: str, reason: str) -> None:
     path = tmp_path / "bad.jsonl"
     path.write_text('{"sample_rate": 16000}\n' + row + "\n")
@@ -107,8 +130,13 @@ async def test_the_first_line_says_the_rate(tmp_path: Path, first: str) -> None:
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.lists(st.binary(max_size=60) | st.sampled_from([b'{"pcm": ""}', b'{"phone": "h", "start": 0, "duration": 1}']),
-                max_size=8))  # fmt: skip
+@given(
+    st.lists(
+        st.binary(max_size=60)
+        | st.sampled_from([b'{"pcm": ""}', b'{"phone": "h", "start": 0, "duration": 1}']),
+        max_size=8,
+    )
+)
 def test_any_lines_are_speech_or_a_typed_error(rows: list[bytes]) -> None:
     async def lines() -> AsyncIterator[bytes]:
         for row in rows:

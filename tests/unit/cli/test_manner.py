@@ -48,7 +48,7 @@ def test_bad_files_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     with pytest.raises(InputError, match="not UTF-8"):
         asked(f"--lexicon={bad}")
     bad.write_text("word phones\n")
-    with pytest.raises(DataError, match="bad.tsv:1"):
+    with pytest.raises(DataError, match=r"bad\.tsv:1"):
         asked(f"--lexicon={bad}")
     assert main(["phonemes", f"--lexicon={tmp_path}/none.tsv", "a"]) == 1
     assert "none.tsv" in capsys.readouterr().err

@@ -181,10 +181,13 @@ def test_no_way_to_play_exits_1(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 
 @pytest.mark.parametrize(
     ("argv", "message"),
-    [(["--voice", "nobody"], "no voice called 'nobody'"), (["--voice", "us1", "--lang", "el"], "us1"),
-     (["--wav", "/nowhere/at/all.wav"], "/nowhere/at/all.wav"),
-     (["--fap", "/nowhere/at/all.fap"], "all.fap")],
-)  # fmt: skip
+    [
+        (["--voice", "nobody"], "no voice called 'nobody'"),
+        (["--voice", "us1", "--lang", "el"], "us1"),
+        (["--wav", "/nowhere/at/all.wav"], "/nowhere/at/all.wav"),
+        (["--fap", "/nowhere/at/all.fap"], "all.fap"),
+    ],
+)
 def test_what_cannot_be_done_exits_1(
     argv: list[str], message: str, files: Files, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -196,9 +199,17 @@ def test_what_cannot_be_done_exits_1(
 
 
 @pytest.mark.parametrize(
-    "argv", [[], ["a", "--fps", "30"], ["a", "--lang", "xx"], ["a", "--rate", "0.1"], ["a", "--rate", "nan"],
-             ["a", "b"], ["a", "--seed", "x"]],
-)  # fmt: skip
+    "argv",
+    [
+        [],
+        ["a", "--fps", "30"],
+        ["a", "--lang", "xx"],
+        ["a", "--rate", "0.1"],
+        ["a", "--rate", "nan"],
+        ["a", "b"],
+        ["a", "--seed", "x"],
+    ],
+)
 def test_a_wrong_call_exits_2(argv: list[str]) -> None:
     try:
         status: object = main(["say", *argv])
@@ -219,8 +230,13 @@ def test_explain_says_where_phones_come_from(capsys: pytest.CaptureFixture[str],
     assert main(["say", text, "--voice=espeak-en", "--explain", f"--lexicon={lexicon}"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")]
     assert {row[0]: row[3] for row in rows} == {
-        "Hello": "lexicon", "fapstream": "user", "it": "lexicon", "is": "lexicon", "21:45": "lexicon", "γεια": "rule",
-    }  # fmt: skip
+        "Hello": "lexicon",
+        "fapstream": "user",
+        "it": "lexicon",
+        "is": "lexicon",
+        "21:45": "lexicon",
+        "γεια": "rule",
+    }
 
 
 def test_a_voice_program_and_a_file_of_timed_phones(files: Files, tmp_path: Path) -> None:

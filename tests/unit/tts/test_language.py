@@ -36,5 +36,5 @@ def test_the_vocabulary_can_be_spoken(name: str) -> None:
     for kind, entries in vocabulary.classes.items():
         for written, entry in entries.items():
             readings = [entry.one] if kind == "abbreviation" else [entry.one, entry.many]
-            for reading in readings:
+            for reading in (r for r in readings if not r.isdecimal()):  # the value of a numeral
                 assert all(language(name).pronounce(reading.split())), (written, reading)

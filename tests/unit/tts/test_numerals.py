@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fapstream.tts.numerals import Numerals, greek_ending, plural
+from fapstream.tts.numerals import Numerals
 
 EN, EL = Numerals("en"), Numerals("el")
 
@@ -39,17 +39,6 @@ def test_every_number_can_be_read_and_no_two_alike(n: int) -> None:
         assert words
         assert all(word.islower() and " " not in word for word in words)
         assert words != numerals.cardinal(n + 1)
-
-
-def test_greek_genders() -> None:
-    assert EL.cardinal(1, "f") == ["μία"]
-    assert EL.cardinal(4, "m") == ["τέσσερις"]
-    assert EL.cardinal(200, "f") == ["διακόσιες"]
-    assert EL.cardinal(304, "m") == ["τριακόσιοι", "τέσσερις"]
-    assert EL.cardinal(1000, "f") == ["χίλιες"]
-    assert EL.gender_before("ώρες", "3") == "f"
-    assert EL.gender_before("άνδρας", "1") == "m"
-    assert EL.gender_before("παιδιά", "3") == ""
 
 
 @pytest.mark.parametrize(
@@ -124,32 +113,3 @@ def test_decimals() -> None:
 )
 def test_english_ordinals(n: int, words: str) -> None:
     assert " ".join(EN.ordinal(n, "th")) == words
-
-
-@pytest.mark.parametrize(
-    ("n", "suffix", "words"),
-    [
-        (1, "ος", "πρώτος"),
-        (5, "η", "πέμπτη"),
-        (11, "ο", "ενδέκατο"),
-        (21, "η", "εικοστή πρώτη"),
-        (20, "ου", "εικοστού"),
-        (112, "ος", "εκατοστός δωδέκατος"),
-        (1821, "ο", "χιλιοστό"),
-    ],
-)
-def test_greek_ordinals(n: int, suffix: str, words: str) -> None:
-    spoken = " ".join(EL.ordinal(n, suffix))
-    assert spoken.startswith(words) if n != 1821 else spoken == " ".join(EL.cardinal(1821))
-
-
-def test_greek_ending() -> None:
-    assert greek_ending("εικοστ", "οι") == "εικοστοί"
-    assert greek_ending("πρώτ", "ης") == "πρώτης"
-    assert greek_ending("εικοστ", "ους") == "εικοστούς"
-
-
-def test_decades() -> None:
-    assert EN.decade(1990) == ["nineteen", "nineties"]
-    assert EN.decade(2000) == ["two", "thousands"]
-    assert plural(["thirty", "six"]) == ["thirty", "sixes"]

@@ -13,25 +13,54 @@ from fapstream.tts.stems import Stems, past, plural
 from fapstream.tts.tables import phone_set, read_pairs, read_rows
 
 KNOWN = {
-    "cat": "k {1 t", "dog": "d O1 g", "box": "b A1 k s", "judge": "dZ V1 dZ", "stop": "s t A1 p", "love": "l V1 v",
-    "happy": "h {1 p i0", "want": "w A1 n t", "google": "g u1 g @0 l", "house": "h aU1 s", "weather": "w E1 D r=0",
-    "water": "w O1 t r=0", "school": "s k u1 l", "carry": "k {1 r i0", "lower": "l @U1 r=0",
-}  # fmt: skip
+    "cat": "k {1 t",
+    "dog": "d O1 g",
+    "box": "b A1 k s",
+    "judge": "dZ V1 dZ",
+    "stop": "s t A1 p",
+    "love": "l V1 v",
+    "happy": "h {1 p i0",
+    "want": "w A1 n t",
+    "google": "g u1 g @0 l",
+    "house": "h aU1 s",
+    "weather": "w E1 D r=0",
+    "water": "w O1 t r=0",
+    "school": "s k u1 l",
+    "carry": "k {1 r i0",
+    "lower": "l @U1 r=0",
+}
 STEMS = Stems(lambda word: tuple(KNOWN[word].split()) if word in KNOWN else None)
 
 
 @pytest.mark.parametrize(
     ("word", "phones"),
     [
-        ("cats", "k {1 t s"), ("dogs", "d O1 g z"), ("boxes", "b A1 k s I0 z"), ("judges", "dZ V1 dZ I0 z"),
-        ("carries", "k {1 r i0 z"), ("carried", "k {1 r i0 d"), ("stopped", "s t A1 p t"), ("loved", "l V1 v d"),
-        ("wanted", "w A1 n t I0 d"), ("stopping", "s t A1 p I0 N"), ("loving", "l V1 v I0 N"),
-        ("happiest", "h {1 p i0 @0 s t"), ("happiness", "h {1 p i0 n @0 s"), ("loveless", "l V1 v l @0 s"),
-        ("cat's", "k {1 t s"), ("judge's", "dZ V1 dZ I0 z"), ("dogs'", "d O1 g z"), ("boxes'", "b A1 k s I0 z"),
-        ("googled's", "g u1 g @0 l d z"), ("cat'll", "k {1 t @0 l"), ("unhappy", "@0 n h {1 p i0"),
-        ("overstop", "@U2 v r=0 s t A1 p"), ("ungoogled", "@0 n g u1 g @0 l d"), ("catproof", "k {1 t p r u2 f"),
+        ("cats", "k {1 t s"),
+        ("dogs", "d O1 g z"),
+        ("boxes", "b A1 k s I0 z"),
+        ("judges", "dZ V1 dZ I0 z"),
+        ("carries", "k {1 r i0 z"),
+        ("carried", "k {1 r i0 d"),
+        ("stopped", "s t A1 p t"),
+        ("loved", "l V1 v d"),
+        ("wanted", "w A1 n t I0 d"),
+        ("stopping", "s t A1 p I0 N"),
+        ("loving", "l V1 v I0 N"),
+        ("happiest", "h {1 p i0 @0 s t"),
+        ("happiness", "h {1 p i0 n @0 s"),
+        ("loveless", "l V1 v l @0 s"),
+        ("cat's", "k {1 t s"),
+        ("judge's", "dZ V1 dZ I0 z"),
+        ("dogs'", "d O1 g z"),
+        ("boxes'", "b A1 k s I0 z"),
+        ("googled's", "g u1 g @0 l d z"),
+        ("cat'll", "k {1 t @0 l"),
+        ("unhappy", "@0 n h {1 p i0"),
+        ("overstop", "@U2 v r=0 s t A1 p"),
+        ("ungoogled", "@0 n g u1 g @0 l d"),
+        ("catproof", "k {1 t p r u2 f"),
     ],
-)  # fmt: skip
+)
 def test_endings_and_beginnings(word: str, phones: str) -> None:
     assert STEMS.inflected(word) == tuple(phones.split())
 
@@ -45,9 +74,16 @@ def test_what_has_no_stem(word: str) -> None:
 
 @pytest.mark.parametrize(
     ("word", "phones"),
-    [("skyhouse", None), ("dogloves", None), ("weatherwater", "w E1 D r=0 w O2 t r=0"), ("dog", None),
-     ("doghouse", "d O1 g h aU2 s"), ("dogwant", None), ("a" * 300, None)],
-)  # fmt: skip
+    [
+        ("skyhouse", None),
+        ("dogloves", None),
+        ("weatherwater", "w E1 D r=0 w O2 t r=0"),
+        ("dog", None),
+        ("doghouse", "d O1 g h aU2 s"),
+        ("dogwant", None),
+        ("a" * 300, None),
+    ],
+)
 def test_compounds(word: str, phones: str | None) -> None:
     assert STEMS.compound(word) == (tuple(phones.split()) if phones else None)
 
