@@ -24,8 +24,8 @@ LEAD_MS = 15.0
 """Silence before the first phone of a turn."""
 MIN_PAUSE_MS = 100.0
 MAX_PENDING, MIN_PIECE = 20, 12
-"""With unlimited look-ahead a phrase this many words long is spoken without waiting for its end, cut after at
-least MIN_PIECE words."""
+"""With unlimited look-ahead a phrase longer than so many words is spoken without waiting for its end, cut after
+at least MIN_PIECE words."""
 
 HOLD_MS, HOLD_PAUSE_MS = 140.0, 160.0
 """When the text has run dry: how long the last sound is drawn out, and the pause after it."""
@@ -106,14 +106,13 @@ class Planner:
     def advance(self) -> None:
         """Commits the words that have their look-ahead."""
         words, ahead = self._words, self._manner.look_ahead
-        if ahead < PHRASE:
-            count = len(words) - ahead
-            while count > 0 and not words[count - 1].whole:
-                count -= 1
-            self._commit(count)
-        else:
-            while len(words) >= MAX_PENDING and (count := self._cut()):
-                self._commit(count)
+        if ahead >= PHRASE:
+            self._shorten()
+            return
+        count = len(words) - ahead
+        while count > 0 and not words[count - 1].whole:
+            count -= 1
+        self._commit(count)
 
     def close(self, kind: str, pause_ms: float | None = None) -> None:
         """The phrase ends as `kind` says, if there is one; `pause_ms`: a pause that is asked for in any
@@ -121,6 +120,8 @@ class Planner:
         words, ahead = self._words, self._manner.look_ahead
         if not (words or self._begun) and pause_ms is None:
             return
+        if ahead >= PHRASE:
+            self._shorten()
         if kind == "question" and self._asks:
             kind = "word_question"
         stop = self._prosody.stops[kind]
@@ -176,6 +177,11 @@ class Planner:
         return [found]
 
     # what is certain
+
+    def _shorten(self) -> None:
+        """Commits the beginning of a phrase that is too long to wait for."""
+        while len(self._words) > MAX_PENDING and (count := self._cut()):
+            self._commit(count)
 
     def _cut(self) -> int:
         """Where to cut a long phrase: before a late function word if there is one, never inside an item."""
