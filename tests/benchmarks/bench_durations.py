@@ -135,9 +135,8 @@ def show(name: str, value: Any, indent: str = "") -> None:
     if not isinstance(value, dict):
         print(f"{indent}{name:<24}{value:>10}")
     elif "rmse_ms" in value:
-        print(
-            f"{indent}{name:<12} n {value['n']:>6}  RMSE {value['rmse_ms']:>6.1f} ms  r {value['correlation']:>6.3f}"
-        )
+        row = "n {n:>6}  RMSE {rmse_ms:>6.1f} ms  r {correlation:>6.3f}".format(**value)
+        print(f"{indent}{name:<12} {row}")
     else:
         print(f"{indent}{name}")
         for key, inner in value.items():
