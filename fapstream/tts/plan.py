@@ -24,8 +24,8 @@ LEAD_MS = 15.0
 """Silence before the first phone of a turn."""
 MIN_PAUSE_MS = 100.0
 MAX_PENDING, MIN_PIECE = 20, 12
-"""With unlimited look-ahead a phrase longer than so many words is spoken without waiting for its end, cut after
-at least MIN_PIECE words."""
+"""With unlimited look-ahead a phrase longer than so many words is spoken without waiting for its end, cut
+after at least MIN_PIECE words."""
 
 HOLD_MS, HOLD_PAUSE_MS = 140.0, 160.0
 """When the text has run dry: how long the last sound is drawn out, and the pause after it."""
