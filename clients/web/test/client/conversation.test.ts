@@ -47,6 +47,19 @@ function begin(turn: number, packets = 0, marks: Mark[] = []): void {
   }
 }
 
+describe("how a turn is read", () => {
+  it("goes to the server in percent, within its limits, and only what was asked for", () => {
+    connect();
+    talk.speak("a", { pitch: 1.25, volume: 0, lookAhead: 2 });
+    talk.speak("a", { rate: 9, pitch: 0.01, volume: 9, lookAhead: 5000 });
+    talk.speak("a", {});
+    const [first, second, third] = of("speak");
+    expect(first).toMatchObject({ pitch: 125, volume: 0, look_ahead: 2 });
+    expect(second).toMatchObject({ rate: 400, pitch: 25, volume: 400, look_ahead: 1000 });
+    expect(Object.keys(third ?? {}).sort()).toEqual(["text", "turn", "type"]);
+  });
+});
+
 describe("a turn", () => {
   it("goes through: text out, sound in, events when heard, done when heard to the end", async () => {
     connect();
