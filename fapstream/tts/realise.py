@@ -18,6 +18,10 @@ BRIDGE_MS = 8.0
 _STAND_IN_COST, _BRIDGE_COST, _NEVER = 1.0, 6.0, 1e9
 
 
+Group = tuple[tuple[str, ...], int, int]
+"""Voice phones, the first of the language phones that they say, and one past the last."""
+
+
 @dataclass(frozen=True, slots=True)
 class VoicePhone:
     """One phone as the voice gets it.
@@ -58,11 +62,13 @@ def realise(phones: Sequence[Phone], voice: Voice, join: Join = _ALONE) -> list[
     `parts`; see `lengths`.
     """
     ends = _ends(phones, voice.sample_rate, join.behind)
-    slots = _slots(phones, voice, ends, join)
+    groups = list(rewrite(phones, voice, join.before))
+    slots = _slots(groups, phones, voice, ends)
+    kept = len(slots) - len(_slots(groups[-1:], phones, voice, ends)) if join.more else len(slots)
     previous = join.previous
     names = _choose([slot.name for slot in slots], voice, previous)
     joined: list[VoicePhone] = []
-    for slot, name in zip(slots, names, strict=True):
+    for slot, name in zip(slots[:kept], names, strict=False):
         if not voice.joins(previous, name):
             bridge, slot = _bridge(slot, voice)
             joined.append(bridge)
@@ -85,10 +91,8 @@ def _ends(phones: Sequence[Phone], rate: int, behind: float) -> list[int]:
     return [round(behind + ms * rate / 1000.0) for ms in accumulate(p.duration_ms for p in phones)]
 
 
-def rewrite(
-    phones: Sequence[Phone], voice: Voice, before: Phone | None = None
-) -> Iterator[tuple[tuple[str, ...], int, int]]:
-    """(voice phones, first language phone, one past the last) by the voice's rules and table, in order."""
+def rewrite(phones: Sequence[Phone], voice: Voice, before: Phone | None = None) -> Iterator[Group]:
+    """The voice phones by the voice's rules and table, in order; `before`: the phone before the first."""
     codes = phone_codes(voice.lang)
     edge = codes[(SILENCE, 0)]
     left = codes[(before.name, before.stress)] if before else edge
@@ -102,20 +106,17 @@ def rewrite(
     yield from _by_table(phones, voice, at, len(phones))
 
 
-def _by_table(
-    phones: Sequence[Phone], voice: Voice, begin: int, end: int
-) -> Iterator[tuple[tuple[str, ...], int, int]]:
+def _by_table(phones: Sequence[Phone], voice: Voice, begin: int, end: int) -> Iterator[Group]:
     for i in range(begin, end):
         name = phones[i].name
         yield voice.phones.get(name, (name,)), i, i + 1
 
 
-def _slots(phones: Sequence[Phone], voice: Voice, ends: Sequence[int], join: Join) -> list[VoicePhone]:
+def _slots(
+    groups: Sequence[Group], phones: Sequence[Phone], voice: Voice, ends: Sequence[int]
+) -> list[VoicePhone]:
     """Voice phones without pitch; those without samples are left out, those too long divided. A phone that
     draws out the one before it is one with it."""
-    groups = list(rewrite(phones, voice, join.before))
-    if join.more:
-        groups.pop()
     slots: list[VoicePhone] = []
     for names, i, j in groups:
         found = _spread(names, ends, i, j)

@@ -82,7 +82,7 @@ def test_fragments_do_not_matter(seed: int) -> None:
 @in_virtual_time
 async def test_an_empty_turn_ends_without_a_packet() -> None:
     assert await said([]) == []
-    assert await said(["", " \n", "🙂\x00"]) == []
+    assert await said(["", " \n", "🫨\x00"]) == []
 
 
 @in_virtual_time

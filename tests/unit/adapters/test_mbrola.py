@@ -17,7 +17,7 @@ from fapstream.adapters import mbrola
 from fapstream.adapters.mbrola import MAX_RESTARTS, MbrolaPool, MbrolaProcess, MbrolaSynthesizer, amplified
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
-from fapstream.tts import Voice, pho, phone_set, realise, voice
+from fapstream.tts import FrontEnd, Manner, Voice, pho, phone_set, realise, voice
 from fapstream.tts.realise import Join
 
 pytestmark = pytest.mark.skipif(shutil.which("mbrola") is None, reason="MBROLA is not installed")
@@ -326,3 +326,56 @@ def test_amplified() -> None:
     assert amplified(pcm, 1.0) is pcm
     assert amplified(pcm, 2.0).tolist() == [-32768, -6, 0, 6, 32767]
     assert amplified(pcm, 0.5).tolist() == [-16384, -2, 0, 2, 10000]
+
+
+TEXTS = {
+    "us1": "Hello world, it is 21:45. The apples that you left are in the <emphasis>red</emphasis> box! ",
+    "gr2": "Καλημέρα, είδα τον πατέρα σου στις 21:45. Πού πας; Τα ψάρια και τα ξύλα είναι έξω! ",
+}
+
+
+@pytest.mark.parametrize("look_ahead", [0, 1, 1000])
+@pytest.mark.parametrize("name", TEXTS)
+async def test_the_pieces_in_which_text_comes_cannot_be_heard(
+    pool: MbrolaPool, name: str, look_ahead: int
+) -> None:
+    """The same text and look-ahead: the same samples and phone times, however it was cut."""
+    v = voice(name)
+
+    async def said(pieces: list[str]) -> tuple[Pcm, list[TimedPhone]]:
+        front = FrontEnd(v.lang, Manner(look_ahead=look_ahead).of(v))
+        return await turn(pool, name, [u for piece in pieces for u in front.feed(piece)] + front.end())
+
+    text = TEXTS[name]
+    whole, phones = await said([text])
+    for size in (1, 5):
+        pcm, timed = await said([text[at : at + size] for at in range(0, len(text), size)])
+        assert pcm.tobytes() == whole.tobytes()
+        assert [(t.start, t.end, t.text, t.phone._replace(word=0)) for t in timed] == [
+            (t.start, t.end, t.text, t.phone._replace(word=0)) for t in phones
+        ]
+
+
+@pytest.mark.parametrize("name", TEXTS)
+async def test_a_hold_is_smooth_and_takes_nothing_away(pool: MbrolaPool, name: str) -> None:
+    """The last vowel goes on at its level and fades before the pause; all else is as without the hold."""
+    v = voice(name)
+    front = FrontEnd(v.lang, Manner(look_ahead=0).of(v))
+    before = front.feed(
+        TEXTS[name].split(",")[0].rsplit(" ", 1)[0] + (" you now " if v.lang == "en" else " τώρα ")
+    )
+    held = front.hold()
+    after = front.feed("everything. " if v.lang == "en" else "όλα. ") + front.end()
+    pcm, phones = await turn(pool, name, before + held + after)
+    drawn = next(t for t in phones if t.phone.hold)
+    vowel = next(t for t in phones if t.end == drawn.start)
+    assert (drawn.phone.name, vowel.phone.name) == (vowel.phone.name, drawn.phone.name)
+    frame = v.sample_rate // 100
+    level = [
+        float(np.sqrt((pcm[at : at + frame].astype(float) ** 2).mean()))
+        for at in range(vowel.start + 2 * frame, drawn.end - 3 * frame, frame)
+    ]
+    steps = 20 * np.abs(np.diff(np.log10(level)))
+    assert steps.max() < 6.0, "no dip and no click where it is drawn out"
+    pause = next(t for t in phones if t.phone.hold and t.phone.name == SILENCE)
+    assert np.abs(pcm[pause.start + 5 * frame : pause.end - 2 * frame]).max() < 300

@@ -43,9 +43,16 @@ def stacked(frames: list[FapFrame]) -> NDArray[np.int32]:
 def turns(lang: str, shortest: float = 15) -> st.SearchStrategy[list[Phone]]:
     """Phones with pauses and expressions among them; the last is a pause."""
     name = st.sampled_from([n for n in phone_set(lang) if n != SILENCE])
-    sound = st.builds(Phone, name, st.floats(shortest, 250), stress=st.integers(0, 2))
+    sound = st.builds(
+        lambda name, ms, stress: Phone(name, ms, stress=stress),
+        name,
+        st.floats(shortest, 250),
+        st.integers(0, 2),
+    )
     pause = st.builds(
-        Phone, st.just(SILENCE), st.floats(10, 900), expression=st.sampled_from([None, None, *EXPRESSIONS])
+        lambda ms, expression: Phone(SILENCE, ms, expression=expression),
+        st.floats(10, 900),
+        st.sampled_from([None, None, *EXPRESSIONS]),
     )
     phones = st.lists(st.one_of(sound, sound, sound, pause), min_size=1, max_size=25)
     return phones.map(lambda found: [*found, Phone(SILENCE, 200.0)])
@@ -162,7 +169,11 @@ def test_lips_close_wherever_the_frames_fall(lang: str, closing: str, viseme: in
 def test_every_closure_of_quick_speech_is_seen(data: st.DataObject, fps: int) -> None:
     """Phones down to 25 ms, several closures in a row: each is seen, or shares the frame of its neighbour."""
     names = st.sampled_from(["p", "m", "f", "a", "i", "s", "u"])
-    phones = data.draw(st.lists(st.builds(Phone, names, st.floats(25, 120)), min_size=1, max_size=12))
+    phones = data.draw(
+        st.lists(
+            st.builds(lambda name, ms: Phone(name, ms), names, st.floats(25, 120)), min_size=1, max_size=12
+        )
+    )
     said = timed([Phone(SILENCE, 50.0), *phones, Phone(SILENCE, 200.0)], 16000)
     frames = run(said, "el", fps=fps)
     near = 1.5 * 16000 / fps

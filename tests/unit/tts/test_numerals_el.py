@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from fapstream.tts.greek_agreement import Agreement, Form, plain
 from fapstream.tts.numerals import Numerals, greek_ending
 
 EL = Numerals("el")
-AGREEMENT = Agreement()
 
 
 @pytest.mark.parametrize(
@@ -72,43 +70,3 @@ def test_halves() -> None:
     assert EL.half(1, "f") == "μιάμιση"
     assert EL.half(2, "f") == EL.half(2) == "δυόμισι"
     assert EL.half(77) == ""
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "single", "form"),
-    [
-        ("", "ώρες", False, "f"),
-        ("", "άνδρας", True, "m"),
-        ("", "παιδιά", False, ""),
-        ("των", "ανδρών", False, "g"),
-        ("τους", "στρατιώτες", False, "ma"),
-        ("στις", "", False, "f"),
-        ("οι", "κάτοικοι", False, "m"),
-        ("το", "πολλές", False, ""),
-        ("έστειλε", "στρατιώτες", False, "ma"),
-        ("με", "ετών", False, "g"),
-        ("αξίας", "ευρώ", False, "g"),
-        ("της", "ώρας", True, "fg"),
-    ],
-)
-def test_forms_by_the_words_around(before: str, after: str, single: bool, form: str) -> None:
-    assert AGREEMENT.form(before, after, single).key == form
-
-
-def test_names() -> None:
-    assert AGREEMENT.name("γεώργιος") == Form("m", "", "s")
-    assert AGREEMENT.name("γεωργίου") == Form("m", "g", "s")
-    assert AGREEMENT.name("παρασκευής") == Form("f", "g", "s")
-    assert AGREEMENT.name("θεοδώρων") == Form("m", "g", "p")
-    assert AGREEMENT.name("τραπέζι") is None
-
-
-def test_declension() -> None:
-    assert AGREEMENT.declined(["χιλιόμετρα", "την", "ώρα"], "g") == ["χιλιομέτρων", "την", "ώρα"]
-    assert AGREEMENT.declined(["κύριος"], "v") == ["κύριε"]
-    assert AGREEMENT.declined(["κυρία"], "v") == ["κυρία"]
-    assert AGREEMENT.declined(["κυρία"], "") == ["κυρία"]
-
-
-def test_plain() -> None:
-    assert plain("Άνθρωπος") == "ανθρωποσ"
