@@ -16,8 +16,6 @@ from typing import Any
 from fapstream.tts.sounds import Sound, onsets
 
 MAX_COUNTED_SYLLABLES = 12
-LEAST = 0.8
-"""No phone becomes shorter than this share of its minimum at rate 1."""
 
 
 class DurationModel:
@@ -26,66 +24,57 @@ class DurationModel:
 
     def __init__(self, lang: str, factors: Mapping[str, Any]) -> None:
         """`factors`: the language's table of prosody.toml."""
-        self._f = factors
+        f = factors
         self._onsets = onsets(lang)
-        vowel = factors["vowel"]
+        vowel = f["vowel"]
         by_stress = (vowel["unstressed"], vowel["stressed"], vowel["secondary"])
-        self._stress = (by_stress, tuple(v * factors["function_word"] for v in by_stress))
+        self._stress = (by_stress, tuple(v * f["function_word"] for v in by_stress))
         self._syllables = [
-            max(1.0 - factors["polysyllabic"] * (n - 1), factors["polysyllabic_floor"])
+            max(1.0 - f["polysyllabic"] * (n - 1), f["polysyllabic_floor"])
             for n in range(MAX_COUNTED_SYLLABLES + 1)
         ]
+        self._consonant = (f["consonant"] * f["consonant_unstressed"], f["consonant"])
+        self._coda, self._cluster, self._initial = f["coda"], f["cluster"], f["word_initial"]
+        self._last_vowel = (f["word_final"], f["final_vowel"])
+        self._final = (f["final_consonant"], f["prefinal"])
+        self._before_voiceless, self._before_fricative = f["before_voiceless"], f["before_voiced_fricative"]
 
     def word(self, sounds: Sequence[Sound], n_vowels: int, function: bool, final: bool) -> list[float]:
         """Milliseconds at rate 1, one per phone. `final`: a pause follows the word."""
-        f = self._f
-        by_stress = self._stress[function]
+        by_stress, by_next, cluster = self._stress[function], self._consonant, self._cluster
         shortened = self._syllables[min(n_vowels, MAX_COUNTED_SYLLABLES)]
-        ms: list[float] = []
         stress, vowels, onset = 0, 0, False
         following: Sound | None = None
+        ms: list[float] = []
         for i in range(len(sounds) - 1, -1, -1):
             sound = sounds[i]
+            clustered = following is not None and not following.vowel
             if sound.vowel:
                 stress, onset = sound.stress, True
                 factor = by_stress[stress] * shortened
-                if following is not None and not following.vowel:
+                if clustered and following:
                     factor *= self._before(following)
-                if not vowels:
-                    factor *= f["final_vowel"] if final else f["word_final"] if n_vowels > 1 else 1.0
+                if not vowels and (final or n_vowels > 1):
+                    factor *= self._last_vowel[final]
                 vowels += 1
             else:
-                onset = onset and self._opens(sound, following)
-                factor = self._place(onset, stress, vowels if final else 2)
-                if following is not None and not following.vowel:
-                    factor *= f["cluster"]
-                if not i:
-                    factor *= f["word_initial"]
-                elif not sounds[i - 1].vowel:
-                    factor *= f["cluster"]
+                factor = by_next[stress == 1]
+                if clustered and following:
+                    factor *= cluster
+                    onset = onset and (sound.name, following.name) in self._onsets
+                if not onset:
+                    factor *= self._coda
+                if final and vowels < 2 and (onset or not vowels):
+                    factor *= self._final[vowels]
+                factor *= cluster if i and not sounds[i - 1].vowel else 1.0 if i else self._initial
             length = sound.min_ms + sound.span_ms * factor
-            ms.append(max(length, LEAST * sound.min_ms))
+            ms.append(length if length > sound.least_ms else sound.least_ms)
             following = sound
         ms.reverse()
         return ms
 
-    def _opens(self, sound: Sound, following: Sound | None) -> bool:
-        """Whether a consonant belongs to the syllable of the onset or vowel after it."""
-        return following is None or following.vowel or (sound.name, following.name) in self._onsets
-
-    def _place(self, onset: bool, stress: int, vowels: int) -> float:
-        """A consonant's factor by its place in the syllable and before a pause; `vowels`: how many follow
-        it."""
-        f = self._f
-        factor: float = f["consonant"] if stress == 1 else f["consonant"] * f["consonant_unstressed"]
-        if not onset:
-            factor *= f["coda"]
-        if vowels < 2:
-            factor *= f["final_consonant"] if not vowels else f["prefinal"] if onset else 1.0
-        return factor
-
     def _before(self, consonant: Sound) -> float:
         """What a consonant does to the vowel before it (Klatt's rule 9)."""
         if not consonant.voiced:
-            return float(self._f["before_voiceless"])
-        return float(self._f["before_voiced_fricative"]) if consonant.kind == "fricative" else 1.0
+            return float(self._before_voiceless)
+        return float(self._before_fricative) if consonant.kind == "fricative" else 1.0

@@ -8,6 +8,7 @@ from fapstream.records import SILENCE, Note, Phone, Spoken, Utterance, Word
 from fapstream.tts import prosody as prosodies
 from fapstream.tts.language import language
 from fapstream.tts.manner import Manner
+from fapstream.tts.markup import PLAIN
 from fapstream.tts.normalise import Item
 from fapstream.tts.plan import PlannedWord, Planner
 from fapstream.tts.pronounce import LEFT
@@ -64,7 +65,10 @@ class FrontEnd:
     def feed(self, text: str) -> list[Utterance]:
         """Takes the next characters of the turn; returns what they complete."""
         for event in self._reader.feed(text):
-            self._take(event)
+            if type(event) is Token:
+                self._token(event)
+            else:
+                self._take(event)
         if self._tokens:
             self._advance(False)
         return self._utterances()
@@ -169,14 +173,14 @@ class FrontEnd:
 
     def _advance(self, closed: bool) -> None:
         """Reads and pronounces what is certain, and hands it to the planner."""
-        for lang, run in groupby(list(self._tokens), lambda token: token.style.lang):
-            tokens = list(run)
+        for lang, tokens in self._runs():
             last = len(tokens) == len(self._tokens)
             normalise = (language(lang) if lang else self._language).normalise
             taken = normalise.take(tokens, closed or not last, self._before, self._manner.lexicon)
             del self._tokens[: taken.used]
             for item in taken.items:
-                self._spoken += [(word, item) for word in item.spoken]
+                for word in item.spoken:
+                    self._spoken.append((word, item))
                 self._before = item.text
             if taken.used < len(tokens):
                 break
@@ -184,6 +188,13 @@ class FrontEnd:
             self._pronounce(closed)
         if not closed:
             self._planner.advance()
+
+    def _runs(self) -> list[tuple[str, list[Token]]]:
+        """The tokens that wait, those of one language together."""
+        tokens = self._tokens[:]
+        if all(token.style is PLAIN for token in tokens):
+            return [("", tokens)] if tokens else []
+        return [(lang, list(run)) for lang, run in groupby(tokens, lambda token: token.style.lang)]
 
     def _pronounce(self, closed: bool) -> None:
         spoken, context, lang = self._spoken, self._context, self._language

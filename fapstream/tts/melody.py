@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 from fapstream.tts.sounds import Sound
 
@@ -88,27 +89,23 @@ class MelodyModel:
         """The pitch of each phone. `accent`: index of the vowel with the accent of that height, or -1;
         `register`: the voice's middle pitch and the width of its range, Hz."""
         f0, width = register
-        floor, tail = self._floor, state.tail
-        above = (self._top - floor) * math.exp(-state.elapsed_ms / self._decay_ms)
-        slope = above / self._decay_ms
-        base, elapsed = floor + above, 0.0
-        out: list[Pitch] = []
-        for i, length in enumerate(ms):
-            x = base - slope * elapsed
-            if tail:
-                x += tail[0]
-                tail = tail[1:]
-            if i == accent:
-                peak = base - slope * (elapsed + 0.55 * length) + height
-                out.append(((0.0, f0 + width * (x + self._rise * height)), (55.0, f0 + width * peak)))
-                tail = (self._after * height, self._later * height)
-            elif i + 1 == accent:
-                out.append(((0.0, f0 + width * (x + self._before * height)),))
-            else:
-                out.append(((0.0, f0 + width * x),))
-            elapsed += length
-        state.elapsed_ms += elapsed
-        state.tail = tail
+        above = (self._top - self._floor) * math.exp(-state.elapsed_ms / self._decay_ms)
+        start, fall = f0 + width * (self._floor + above), width * above / self._decay_ms
+        *begins, length = accumulate(ms, initial=0.0)
+        out: list[Pitch] = [((0.0, start - fall * begin),) for begin in begins]
+        for i, x in zip(range(len(out)), state.tail, strict=False):
+            out[i] = _raised(out[i], width * x)
+        state.tail = state.tail[len(out) :]
+        if accent >= 0:
+            peak = start - fall * (begins[accent] + 0.55 * ms[accent]) + width * height
+            out[accent] = (*_raised(out[accent], width * height * self._rise), (55.0, peak))
+            if accent:
+                out[accent - 1] = _raised(out[accent - 1], width * height * self._before)
+            after = (self._after * height, self._later * height)
+            for i, x in zip(range(accent + 1, len(out)), after, strict=False):
+                out[i] = _raised(out[i], width * x)
+            state.tail = after[len(out) - accent - 1 :]
+        state.elapsed_ms += length
         return out
 
     def ending(
@@ -130,3 +127,8 @@ class MelodyModel:
             pitch[i] = ((0.0, hz + slope * passed),)
             passed += ms[i]
         pitch[-1] = (*pitch[-1], (100.0, goal))
+
+
+def _raised(pitch: Pitch, hz: float) -> Pitch:
+    """With its start higher."""
+    return ((0.0, pitch[0][1] + hz),)

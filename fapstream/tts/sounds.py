@@ -8,6 +8,8 @@ from functools import cache
 
 from fapstream.tts.tables import phone_set, read_rows
 
+LEAST = 0.8
+"""Share of its minimum that a phone keeps in any case."""
 STRESSES = ("0", "1", "2")
 
 
@@ -25,6 +27,8 @@ class Sound:
     kind: str
     min_ms: float
     span_ms: float
+    least_ms: float
+    """No rule makes it shorter at rate 1."""
 
 
 def sounds(lang: str, means: Mapping[str, float]) -> dict[str, Sound]:
@@ -38,7 +42,7 @@ def sounds(lang: str, means: Mapping[str, float]) -> dict[str, Sound]:
         least = min(info.min_ms, mean)
         for digit in STRESSES if vowel else ("",):
             found[name + digit] = Sound(
-                name, int(digit or 0), vowel, info.voiced, info.kind, least, mean - least
+                name, int(digit or 0), vowel, info.voiced, info.kind, least, mean - least, LEAST * least
             )
     return found
 
