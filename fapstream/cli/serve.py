@@ -16,7 +16,7 @@ from fapstream.cli.heads import servable
 from fapstream.cli.manner import add_manner, manner
 from fapstream.errors import InputError, SynthesisError
 from fapstream.server import Service, Site, running
-from fapstream.tts import LANGUAGES
+from fapstream.tts import LANGUAGES, language
 
 HELP = "serve the page and the talking head"
 PORT = 8765
@@ -75,7 +75,9 @@ async def _serve(args: argparse.Namespace, heads: dict[str, Traversable]) -> Non
 
 
 async def _warm(pool: VoicePool, voice: str | None) -> None:
-    """Have the likely voices running before the first request."""
+    """Have the languages ready and the likely voices running before the first request."""
+    for lang in LANGUAGES:
+        language(lang).warm()
     likely = [pool.find(voice, None)] if voice else []
     for lang in LANGUAGES:
         try:

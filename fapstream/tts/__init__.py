@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fapstream.tts import espeak_map, pho
 from fapstream.tts.frontend import FrontEnd
+from fapstream.tts.language import language
 from fapstream.tts.manner import DEFAULT_LOOK_AHEAD, PHRASE, Manner, read_lexicon, read_profile
 from fapstream.tts.pho import Realiser
 from fapstream.tts.realise import VoicePhone, lengths, realise
@@ -23,6 +24,7 @@ __all__ = [
     "VoicePhone",
     "default_voice",
     "espeak_map",
+    "language",
     "lengths",
     "pho",
     "phone_set",

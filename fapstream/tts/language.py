@@ -43,6 +43,11 @@ class Language:
     openings: frozenset[str]
     """Words that begin a sentence after an abbreviation; empty if any capital does."""
 
+    def warm(self) -> None:
+        """Everything that would otherwise be made ready when it is first met. Raises DataError."""
+        self.normalise.warm()
+        english()
+
     def is_weak(self, word: Spoken, written: str) -> bool:
         """Whether a spoken word bears no accent: a function word, but not where it was written in digits."""
         return word in self.function_words and (word not in self.numerals or written.isalpha())

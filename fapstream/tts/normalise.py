@@ -69,6 +69,7 @@ class Normaliser:
 
     def __init__(self, vocabulary: Vocabulary, patterns: Patterns, speller: Speller) -> None:
         self._patterns = patterns
+        self.warm = patterns.check
         self._words = speller.words
         self._is_word = speller.is_word
         classes = vocabulary.classes

@@ -101,13 +101,17 @@ class _Rule:
 
     def match(self, text: str, at: int) -> re.Match[str] | None:
         """What it finds at a place."""
-        if self._match is None:
-            self._match = re.compile(self.expression).match
-        return self._match(text, at)
+        match = self._match or self._compiled().match
+        return match(text, at)
+
+    def _compiled(self) -> re.Pattern[str]:
+        regex = re.compile(self.expression)
+        self._match = regex.match
+        return regex
 
     def check(self, readers: Container[str]) -> None:
         """Raises re.error or KeyError if the table's line makes no sense."""
-        groups = set(re.compile(self.expression).groupindex)
+        groups = set(self._compiled().groupindex)
         for part in _flat(self.parts):
             if part.group and not {part.group, part.other} - {""} <= groups:
                 raise KeyError(part.group)
@@ -181,8 +185,8 @@ class Patterns:
                 raise DataError(path, line, f"cannot understand the pattern ({error})") from error
 
     def check(self) -> None:
-        """Compiles every expression. Raises DataError for one that cannot be, or whose reading makes no
-        sense."""
+        """Compiles every expression, so that none has to be when it is met. Raises DataError for one that
+        cannot be, or whose reading makes no sense."""
         readers = {*self._readers, *self._vocabulary.classes}
         for place, rules in self._rules.items():
             for rule in rules:
