@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
+from fapstream.tts.homographs import Homographs
 from fapstream.tts.lexicon import Lexicon
 from fapstream.tts.lts import LetterToSound
 from fapstream.tts.stems import Stems
@@ -22,6 +23,7 @@ class English:
         self._lexicon = Lexicon(read_bytes("en/lexicon.bin"))
         self._trees = LetterToSound(read_bytes("en/lts.bin"))
         self._stems = Stems(self._lexicon.get)
+        self._homographs = Homographs()
         self._letters = {row[0].upper(): tuple(row[1].split()) for _, row in read_rows("en/letters.tsv", 2)}
         rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
         self._weak = {row[0]: tuple(row[1].split()) for row in rows if row[1]}
@@ -38,16 +40,20 @@ class English:
     def phones(self, words: Sequence[str]) -> list[Tokens]:
         """The phones of each word of a phrase: all but the last may be weak forms."""
         found = [self._weak.get(word) or self.word(word) for word in words]
+        for i, word in enumerate(words):
+            if word in self._homographs:
+                after = words[i + 1] if i + 1 < len(words) else None
+                found[i] = self._homographs.choose(words[max(0, i - 2) : i], word, after) or found[i]
         for i, word in enumerate(words[:-1]):
             if word in self._before_vowel and found[i + 1] and found[i + 1][0][-1].isdigit():
                 found[i] = self._before_vowel[word]
-        if len(words) > 1:
+        if len(words) > 1 and words[-1] not in self._homographs:
             found[-1] = self.word(words[-1])
         return found
 
     def needs_next(self, word: str) -> bool:
         """Whether the word after it, or that there is none, could change its phones."""
-        return word in self._weak or word in self._before_vowel
+        return word in self._weak or word in self._before_vowel or self._homographs.needs_next(word)
 
     def path(self, word: str) -> str:
         """Where a word's phones come from: letter, lexicon, stem, compound or tree."""
