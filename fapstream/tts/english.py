@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, cached_property
 
 from fapstream.tts.homographs import Homographs
 from fapstream.tts.lexicon import Lexicon
@@ -19,15 +19,23 @@ class English:
     """Pronounces lower-case words of a-z and apostrophes, and capital letters by name."""
 
     def __init__(self) -> None:
-        """Reads the lexicon and the trees. Raises DataError."""
+        """Reads the lexicon; the trees are read when a word is in no other way known. Raises DataError."""
         self._lexicon = Lexicon(read_bytes("en/lexicon.bin"))
-        self._trees = LetterToSound(read_bytes("en/lts.bin"))
         self._stems = Stems(self._lexicon.get)
         self._homographs = Homographs()
         self._letters = {row[0].upper(): tuple(row[1].split()) for _, row in read_rows("en/letters.tsv", 2)}
         rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
         self._weak = {row[0]: tuple(row[1].split()) for row in rows if row[1]}
         self._before_vowel = {row[0]: tuple(row[3].split()) for row in rows if row[3]}
+
+    @cached_property
+    def _trees(self) -> LetterToSound:
+        return LetterToSound(read_bytes("en/lts.bin"))
+
+    def warm(self) -> None:
+        """Makes everything ready that else is when it is first met: rare letters, the trees."""
+        self._lexicon.warm()
+        self._trees("a")
 
     def is_word(self, word: str) -> bool:
         """Whether the lexicon has it."""

@@ -46,7 +46,7 @@ class Language:
     def warm(self) -> None:
         """Everything that would otherwise be made ready when it is first met. Raises DataError."""
         self.normalise.warm()
-        english()
+        english().warm()
 
     def is_weak(self, word: Spoken, written: str) -> bool:
         """Whether a spoken word bears no accent: a function word, but not where it was written in digits."""

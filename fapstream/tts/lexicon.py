@@ -1,18 +1,20 @@
 """A pronunciation lexicon: every word with its phones as a string of one-character codes.
 
-File: the magic `FLX2`, then zlib-compressed ASCII of three parts, each ended by NUL: token names separated by
-blanks, the words in alphabetical order separated by newlines, and in the same order their codes. A code is
-the character CODE_BASE + the index of the token's name; a token is a phone with its stress digit.
+File: the magic `FLX3`, then zlib-compressed ASCII of parts, each ended by NUL: token names separated by blanks; then
+for each character that words begin with, in order, two parts: the words in alphabetical order separated by
+newlines, and in the same order their codes. A code is the character CODE_BASE + the index of the token's name; a
+token is a phone with its stress digit.
 """
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 
 from fapstream.errors import DataError
 
-MAGIC = b"FLX2"
+MAGIC = b"FLX3"
 CODE_BASE, CODE_END = 0x21, 0x7F
 
 
@@ -22,10 +24,30 @@ def pack(entries: Mapping[str, Sequence[str]]) -> bytes:
     if len(tokens) > CODE_END - CODE_BASE:
         raise DataError("lexicon", None, f"{len(tokens)} different tokens")
     code = {token: chr(CODE_BASE + i) for i, token in enumerate(tokens)}
-    words = sorted(entries)
-    codes = ["".join(code[t] for t in entries[word]) for word in words]
-    parts = (" ".join(tokens), "\n".join(words), "\n".join(codes))
+    parts = [" ".join(tokens)]
+    for _, group in groupby(sorted(entries), lambda word: word[0]):
+        words = list(group)
+        parts += ["\n".join(words), "\n".join("".join(code[t] for t in entries[w]) for w in words)]
     return MAGIC + zlib.compress("".join(part + "\0" for part in parts).encode("ascii"), 9)
+
+
+class _Letters(dict[str, dict[str, str]]):
+    """First character -> word -> codes. A letter's words are sorted out when the first of them is asked for."""
+
+    def __init__(self, parts: Sequence[str]) -> None:
+        self._packed = {words[:1]: (words, codes) for words, codes in zip(parts[::2], parts[1::2], strict=True)}
+
+    def __missing__(self, letter: str) -> dict[str, str]:
+        words, codes = self._packed.pop(letter, ("", ""))
+        found = dict(zip(words.split("\n"), codes.split("\n"), strict=True)) if words else {}
+        if words:
+            self[letter] = found
+        return found
+
+    def unpack(self) -> None:
+        """Every letter."""
+        for letter in list(self._packed):
+            self[letter]
 
 
 class Lexicon:
@@ -36,21 +58,26 @@ class Lexicon:
         try:
             if data[:4] != MAGIC:
                 raise ValueError("not a lexicon file")
-            names, words, codes, _ = zlib.decompress(data[4:]).decode("ascii").split("\0")
-            self._codes = dict(zip(words.split("\n"), codes.split("\n"), strict=True))
+            names, *parts, _ = zlib.decompress(data[4:]).decode("ascii").split("\0")
+            self._letters = _Letters(parts)
         except (ValueError, zlib.error) as error:
             raise DataError("lexicon", None, str(error)) from error
         self.tokens = names.split(" ")
         self._token = {chr(CODE_BASE + i): token for i, token in enumerate(self.tokens)}.__getitem__
 
+    def warm(self) -> None:
+        """Makes every word ready; else each letter is when it is first met."""
+        self._letters.unpack()
+
     def words(self) -> list[str]:
         """Every word, in order."""
-        return list(self._codes)
+        self.warm()
+        return sorted(word for words in self._letters.values() for word in words)
 
     def __contains__(self, word: str) -> bool:
-        return word in self._codes
+        return word in self._letters[word[:1]]
 
     def get(self, word: str) -> tuple[str, ...] | None:
         """The tokens of a lower-case word, or None."""
-        codes = self._codes.get(word)
+        codes = self._letters[word[:1]].get(word)
         return tuple(map(self._token, codes)) if codes else None

@@ -43,7 +43,7 @@ ready = time.perf_counter() - begin
 {lexicon}
 print(ready, rss() - before)
 """
-LEXICON = "from fapstream.tts.english import English; at = rss(); own = English(); before = at"
+LEXICON = "from fapstream.tts.english import English; at = rss(); own = English(); own.warm(); before = at"
 
 
 def text(lang: str) -> str:
