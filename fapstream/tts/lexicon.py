@@ -1,9 +1,9 @@
 """A pronunciation lexicon: every word with its phones as a string of one-character codes.
 
-File: the magic `FLX3`, then zlib-compressed ASCII of parts, each ended by NUL: token names separated by blanks; then
-for each character that words begin with, in order, two parts: the words in alphabetical order separated by
-newlines, and in the same order their codes. A code is the character CODE_BASE + the index of the token's name; a
-token is a phone with its stress digit.
+File: the magic `FLX3`, then zlib-compressed ASCII of parts, each ended by NUL: token names separated by
+blanks; then for each character that words begin with, in order, two parts: the words in alphabetical order
+separated by newlines, and in the same order their codes. A code is the character CODE_BASE + the index of
+the token's name; a token is a phone with its stress digit.
 """
 
 from __future__ import annotations
@@ -32,10 +32,11 @@ def pack(entries: Mapping[str, Sequence[str]]) -> bytes:
 
 
 class _Letters(dict[str, dict[str, str]]):
-    """First character -> word -> codes. A letter's words are sorted out when the first of them is asked for."""
+    """First character -> word -> codes; a letter's words are sorted out when the first is asked for."""
 
     def __init__(self, parts: Sequence[str]) -> None:
-        self._packed = {words[:1]: (words, codes) for words, codes in zip(parts[::2], parts[1::2], strict=True)}
+        pairs = zip(parts[::2], parts[1::2], strict=True)
+        self._packed = {words[:1]: (words, codes) for words, codes in pairs}
 
     def __missing__(self, letter: str) -> dict[str, str]:
         words, codes = self._packed.pop(letter, ("", ""))
