@@ -162,7 +162,7 @@ class GreekReaders(Readers):
         """Words written as one, cut where capitals and digits begin; signs by their names in addresses."""
         out: Words = []
         for piece in _PIECE.findall(found.text(group).rstrip(".,:-")):
-            if piece.isdigit():
+            if piece.isdecimal():
                 out += self._numerals.number(piece)
             elif piece[0].isalpha():
                 known = self._vocabulary.classes["abbreviation"].get(piece)

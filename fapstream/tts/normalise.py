@@ -225,7 +225,7 @@ class Normaliser:
         """A word inside of what is more than a plain word."""
         if entry := self._abbreviations.get(word):
             return entry.one.split()
-        code = len(word) == 1 and (word.isascii() or word.isupper()) and following[:1].isdigit()
+        code = len(word) == 1 and (word.isascii() or word.isupper()) and following[:1].isdecimal()
         return [word.upper()] if code else self._words(word)
 
     def _places(self, text: str, at: int) -> Sequence[str]:

@@ -95,6 +95,13 @@ def test_any_fragmentation_gives_the_same_words_phones_and_timing(
     assert flat(spoken(lang, *text, look_ahead=look_ahead)) == whole
 
 
+@pytest.mark.parametrize("lang", ["en", "el"])
+@pytest.mark.parametrize("shape", ["{}", "#{}", "#a{}", "3{}", "{}%", "1,{}", "A{}", "x.y/{}", "{}ος"])
+@pytest.mark.parametrize("digit", ["²", "①", "٣", "Ⅷ", "½", "፩"])
+def test_digits_of_every_kind_are_read_or_skipped(lang: str, shape: str, digit: str) -> None:
+    assert spoken(lang, f"so {shape.format(digit)} so.")
+
+
 @settings(max_examples=80, deadline=None)
 @given(LANG, TEXT)
 def test_look_ahead_changes_timing_only(lang: str, text: str) -> None:
