@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 
 PAIRS = """
@@ -33,3 +34,13 @@ def read(path: Path) -> dict[str, tuple[str, ...]]:
 def held_out(word: str) -> bool:
     """A tenth of all words, chosen by hash, is never trained on."""
     return zlib.crc32(word.encode()) % 10 == 0
+
+
+def distance(a: Sequence[str], b: Sequence[str]) -> int:
+    """How many phones have to be put in, left out or changed to make `b` of `a`."""
+    row = list(range(len(b) + 1))
+    for i, x in enumerate(a, 1):
+        row, last = [i], row
+        for j, y in enumerate(b, 1):
+            row.append(min(last[j] + 1, row[-1] + 1, last[j - 1] + (x != y)))
+    return row[-1]

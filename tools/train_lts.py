@@ -211,23 +211,13 @@ def best_split(x: np.ndarray, y: np.ndarray, min_leaf: int) -> tuple[int, int] |
     return choice
 
 
-def distance(a: Tokens, b: Tokens) -> int:
-    """Edit distance."""
-    row = list(range(len(b) + 1))
-    for i, x in enumerate(a, 1):
-        row, last = [i], row
-        for j, y in enumerate(b, 1):
-            row.append(min(last[j] + 1, row[-1] + 1, last[j - 1] + (x != y)))
-    return row[-1]
-
-
 def evaluate(model: lts.LetterToSound, words: dict[str, Tokens]) -> str:
     with_stress = without = errors = phones = 0
     for word, tokens in words.items():
         guess = model(word)
         with_stress += guess == tokens
         without += plain(guess) == plain(tokens)
-        errors += distance(plain(guess), plain(tokens))
+        errors += cmudict.distance(plain(guess), plain(tokens))
         phones += len(tokens)
     n = len(words)
     return (

@@ -46,9 +46,10 @@ class Pronouncer:
         found: list[Tokens] = []
         for lang, run in groupby(words, script):
             if not lang:
-                found += run  # type: ignore[arg-type]
+                found += [word for word in run if isinstance(word, tuple)]
                 continue
-            phones = (english() if lang == "en" else greek()).phones(list(run))  # type: ignore[arg-type]
+            texts = [word for word in run if isinstance(word, str)]
+            phones = (english() if lang == "en" else greek()).phones(texts)
             found += phones if lang == self._lang else [self._mapped(tokens) for tokens in phones]
         return found[first:] if first else found
 

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -78,11 +79,8 @@ def speed(runs: int) -> dict[str, float]:
         contestants[f"{lang}_words_per_s"] = ours(lang, PHRASE)
         contestants[f"{lang}_words_per_s_streamed"] = ours(lang, DEFAULT_LOOK_AHEAD)
         if espeak.available():
-            words = text(lang)
-            contestants[f"espeak_{lang}_words_per_s"] = lambda words=words, lang=lang: espeak.seconds(
-                words, lang
-            )  # type: ignore[misc]
-            contestants[f"espeak_{lang}_start_s"] = lambda lang=lang: espeak.seconds("a", lang)  # type: ignore[misc]
+            contestants[f"espeak_{lang}_words_per_s"] = partial(espeak.seconds, text(lang), lang)
+            contestants[f"espeak_{lang}_start_s"] = partial(espeak.seconds, "a", lang)
     times: dict[str, list[float]] = {name: [] for name in contestants}
     for _ in range(runs):
         for name, run in contestants.items():

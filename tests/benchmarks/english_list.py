@@ -21,7 +21,7 @@ from fapstream.tts.english import english
 from fapstream.tts.lexicon import Lexicon
 from fapstream.tts.stems import Stems
 from fapstream.tts.tables import read_bytes
-from tools.cmudict import token
+from tools.cmudict import distance, token
 
 Phones = tuple[str, ...]
 Predict = Callable[[str], Phones]
@@ -58,18 +58,9 @@ def score_words(predict: Predict, words: Mapping[str, Phones]) -> Score:
         guess = predict(word)
         right += plain(guess) == plain(wanted)
         stressed += guess == wanted
-        edits += _distance(plain(guess), plain(wanted))
+        edits += distance(plain(guess), plain(wanted))
         phones += len(wanted)
     return Score(len(words), right, stressed, edits / phones)
-
-
-def _distance(a: Phones, b: Phones) -> int:
-    row = list(range(len(b) + 1))
-    for i, x in enumerate(a, 1):
-        row, last = [i], row
-        for j, y in enumerate(b, 1):
-            row.append(min(last[j] + 1, row[-1] + 1, last[j - 1] + (x != y)))
-    return row[-1]
 
 
 def contestants(words: Mapping[str, Phones]) -> dict[str, Predict]:

@@ -56,4 +56,5 @@ def test_any_words_give_a_form_that_has_an_ending(before: str, after: str, singl
     form = AGREEMENT.form(before, after, single, gender)
     assert form.key in ("", "m", "ma", "f", "fg", "g")
     assert form.ordinal
-    assert AGREEMENT.name(after) is None or AGREEMENT.name(after).ordinal  # type: ignore[union-attr]
+    name = AGREEMENT.name(after)
+    assert name is None or name.ordinal

@@ -22,14 +22,14 @@ def word(
     return PlannedWord(item, [PROSODY.sounds[t] for t in ("t", "A1", "t")], weak, False, True)
 
 
-def planner(look_ahead: int = PHRASE, **manner: float) -> Planner:
-    return Planner("en", PROSODY, Manner(look_ahead=look_ahead, **manner))  # type: ignore[arg-type]
+def planner(look_ahead: int = PHRASE, rate: float = 1.0) -> Planner:
+    return Planner("en", PROSODY, Manner(look_ahead=look_ahead, rate=rate))
 
 
 def spoken(
-    *words: PlannedWord, look_ahead: int = PHRASE, kind: str = "sentence", **manner: float
+    *words: PlannedWord, look_ahead: int = PHRASE, kind: str = "sentence", rate: float = 1.0
 ) -> list[Phone]:
-    plan = planner(look_ahead, **manner)
+    plan = planner(look_ahead, rate)
     for w in words:
         plan.add([w], False)
         if not w.item.stop:  # its end would come before anything else is asked
