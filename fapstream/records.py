@@ -77,6 +77,9 @@ class Phone(NamedTuple):
 
 SILENCE = "_"
 
+make = tuple.__new__
+"""make(Phone, (every field, in order)): a named tuple in two thirds of the time of Phone(...)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Utterance:

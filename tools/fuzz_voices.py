@@ -20,8 +20,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from fapstream.tts import FrontEnd, Manner, Realiser, Voice, voice, voices
+from fapstream.tts import FrontEnd, Manner
 from fapstream.tts.english import english
+from fapstream.tts.pho import Realiser
+from fapstream.tts.voices import Voice, voice, voices
 
 LATIN = "abcdefghijklmnopqrstuvwxyz'"
 GREEK = "αβγδεζηθικλμνξοπρστυφχψωάέήίόύώϊϋΐΰς"

@@ -22,7 +22,8 @@ from fapstream.adapters.espeak_worker import FRAME
 from fapstream.adapters.spares import Spares, end_program
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
-from fapstream.tts import Voice, espeak_map, phone_set
+from fapstream.tts import espeak_map, phone_set
+from fapstream.tts.voices import Voice
 
 WORDS_PER_MINUTE = 175
 MEAN_PHONE_MS = 80.0

@@ -20,7 +20,10 @@ import numpy as np
 from fapstream.adapters.spares import READ_BYTES, Spares, end_program
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
-from fapstream.tts import Realiser, Voice, VoicePhone, pho
+from fapstream.tts import pho
+from fapstream.tts.pho import Realiser
+from fapstream.tts.realise import VoicePhone
+from fapstream.tts.voices import Voice
 
 DATABASES = (Path("/usr/share/mbrola"), Path("/usr/local/share/mbrola"))
 """Folders that hold V/V for voice V."""

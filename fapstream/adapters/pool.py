@@ -7,7 +7,8 @@ from fapstream.adapters.espeak import installed as espeak_installed
 from fapstream.adapters.mbrola import MbrolaPool, database
 from fapstream.errors import UnknownLanguage, VoiceUnavailable
 from fapstream.ports import Synthesizer
-from fapstream.tts import LANGUAGES, Voice, default_voice, voice, voices
+from fapstream.tts import LANGUAGES
+from fapstream.tts.voices import Voice, default_voice, voice, voices
 
 
 def installed(candidate: Voice) -> bool:

@@ -6,7 +6,10 @@ from collections.abc import AsyncIterator
 
 from fapstream.ports import Synthesizer
 from fapstream.records import Phone, Speech, Utterance
-from fapstream.tts import Realiser, Voice, VoicePhone, pho
+from fapstream.tts import pho
+from fapstream.tts.pho import Realiser
+from fapstream.tts.realise import VoicePhone
+from fapstream.tts.voices import Voice
 
 
 class PhoRecorder:

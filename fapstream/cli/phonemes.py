@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from fapstream.cli.arguments import unicode_text
 from fapstream.cli.describe import described, lines
 from fapstream.cli.manner import add_manner, manner
-from fapstream.tts import LANGUAGES, FrontEnd, default_voice, voice
+from fapstream.tts import LANGUAGES, FrontEnd
+from fapstream.tts.voices import default_voice, voice
 
 HELP = "show how a text would be pronounced"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from fapstream.adapters.pool import installed
-from fapstream.tts import voices
+from fapstream.tts.voices import voices
 
 HELP = "list the voices"
 

@@ -21,7 +21,8 @@ from fapstream.protocol.session import FAP_NUMBERS, ClientEvent, EndOfText, Serv
 from fapstream.records import TurnFormat
 from fapstream.stream import Pacer
 from fapstream.talk import MAX_PENDING_TEXT, Talk
-from fapstream.tts import DEFAULT_LOOK_AHEAD, PHRASE, FrontEnd, Manner, Voice
+from fapstream.tts import DEFAULT_LOOK_AHEAD, PHRASE, FrontEnd, Manner
+from fapstream.tts.voices import Voice
 
 log = logging.getLogger("fapstream.server")
 

@@ -1,16 +1,16 @@
-"""Text to utterances: what is said, how long each phone lasts and on what melody; and voices to say it."""
+"""Text to utterances: what is said, how long each phone lasts and on what melody.
+
+Its neighbours `voices`, `realise`, `pho` and `espeak_map` turn utterances into what a voice speaks. Whoever
+needs them imports them by name: text becomes phones without them, and the start is shorter.
+"""
 
 from __future__ import annotations
 
-from fapstream.tts import espeak_map, pho
 from fapstream.tts.frontend import FrontEnd
 from fapstream.tts.language import language
 from fapstream.tts.manner import DEFAULT_LOOK_AHEAD, PHRASE, Manner, read_lexicon, read_profile
-from fapstream.tts.pho import Realiser
-from fapstream.tts.realise import VoicePhone, lengths, realise
 from fapstream.tts.sounds import syllables
 from fapstream.tts.tables import LANGUAGES, PhoneInfo, phone_set
-from fapstream.tts.voices import Voice, default_voice, voice, voices
 
 __all__ = [
     "DEFAULT_LOOK_AHEAD",
@@ -19,19 +19,9 @@ __all__ = [
     "FrontEnd",
     "Manner",
     "PhoneInfo",
-    "Realiser",
-    "Voice",
-    "VoicePhone",
-    "default_voice",
-    "espeak_map",
     "language",
-    "lengths",
-    "pho",
     "phone_set",
     "read_lexicon",
     "read_profile",
-    "realise",
     "syllables",
-    "voice",
-    "voices",
 ]

@@ -178,10 +178,9 @@ class FrontEnd:
             normalise = (language(lang) if lang else self._language).normalise
             taken = normalise.take(tokens, closed or not last, self._before, self._manner.lexicon)
             del self._tokens[: taken.used]
-            for item in taken.items:
-                for word in item.spoken:
-                    self._spoken.append((word, item))
-                self._before = item.text
+            if taken.items:
+                self._spoken += [(word, item) for item in taken.items for word in item.spoken]
+                self._before = taken.items[-1].text
             if taken.used < len(tokens):
                 break
         if self._spoken:
@@ -192,7 +191,7 @@ class FrontEnd:
     def _runs(self) -> list[tuple[str, list[Token]]]:
         """The tokens that wait, those of one language together."""
         tokens = self._tokens[:]
-        if all(token.style is PLAIN for token in tokens):
+        if not [token for token in tokens if token.style is not PLAIN]:
             return [("", tokens)] if tokens else []
         return [(lang, list(run)) for lang, run in groupby(tokens, lambda token: token.style.lang)]
 
@@ -206,14 +205,13 @@ class FrontEnd:
             return
         phones = lang.pronounce([*context, *words], len(context))
         self._opening += words[: 2 - len(self._opening)] if len(self._opening) < 2 else ()
-        table = self._sounds
+        table, cut_before = self._sounds, lang.cut_before
         planned = []
-        for k in range(count):
-            word, item = spoken[k]
-            whole = k + 1 == len(spoken) or spoken[k + 1][1] is not item
+        following: list[Item | None] = [item for _, item in spoken[1:]]
+        for (word, item), tokens, after in zip(spoken[:count], phones, [*following, None], strict=False):
+            sounds = [table[token] for token in tokens]
             function = lang.is_weak(word, item.text)
-            sounds = [table[token] for token in phones[k]]
-            planned.append(PlannedWord(item, sounds, function, word in lang.cut_before, whole))
+            planned.append(PlannedWord(item, sounds, function, word in cut_before, after is not item))
         self._planner.add(planned, lang.asks_with_word(self._opening))
         self._context = [*context, *words[:count]][-LEFT:]
         del spoken[:count]

@@ -41,11 +41,13 @@ class Greek:
         text = BOUNDARY + BOUNDARY.join(plain) + BOUNDARY
         found: list[list[str]] = [[] for _ in words]
         word, end = 0, 1 + len(plain[0])
-        for match in self._rules.apply(text):
-            while match.start >= end and word + 1 < len(plain):
+        tokens, last = found[0], len(plain) - 1
+        for start, _, output in self._rules.apply(text):
+            while start >= end and word < last:
                 word += 1
                 end += 1 + len(plain[word])
-            found[word].extend(self._glide(found[word]) if match.output == _GLIDE else match.output)
+                tokens = found[word]
+            tokens += self._glide(tokens) if output == _GLIDE else output
         return [self._stressed(w, tokens) for w, tokens in zip(plain, found, strict=True)]
 
     def path(self, word: str) -> str:
@@ -84,7 +86,8 @@ class Greek:
     def _stressed(self, word: str, tokens: list[str]) -> Tokens:
         """Every vowel with a stress digit; of content words without a tonos the first has the stress."""
         vowels = [i for i, t in enumerate(tokens) if t in _VOWELS]
-        content = word not in self._clitics and len(vowels) == sum(t[0] in _VOWELS for t in tokens)
+        marked = [t for t in tokens if t[0] in _VOWELS and t not in _VOWELS]
+        content = not marked and word not in self._clitics
         for i in vowels:
             tokens[i] += "0"
         if vowels and content:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from fapstream.errors import DataError
 from fapstream.tts.stems import plural
@@ -21,8 +22,7 @@ THIRD_PERSON = {"nv": "nvs", "vn": "vns"}
 """Kinds whose words have a form in -s, and the kind of that."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Item:
+class _Item(NamedTuple):
     """What a word next to a homograph must be: one of some words, or ends with something; any if both are
     empty."""
 

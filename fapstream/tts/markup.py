@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from fapstream.tts.tables import LANGUAGES
 
@@ -60,13 +61,15 @@ class Style:
 PLAIN = Style()
 
 
-@dataclass(frozen=True, slots=True)
-class Tag:
+_NONE: Mapping[str, str] = {}
+
+
+class Tag(NamedTuple):
     """One tag: `kind` is open, close or empty. `attributes` have been checked."""
 
     name: str
     kind: str
-    attributes: Mapping[str, str] = field(default_factory=dict)
+    attributes: Mapping[str, str] = _NONE
 
 
 def parse(text: str) -> Tag | None:

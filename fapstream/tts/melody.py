@@ -11,16 +11,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
+from typing import NamedTuple
 
 from fapstream.tts.sounds import Sound
 
 Pitch = tuple[tuple[float, float], ...]
 """(percent of the phone's duration, Hz), ascending, the first at 0."""
 
+PEAK_PERCENT = 55.0
+"""Where in its vowel an accent is highest."""
 
-@dataclass(frozen=True, slots=True)
-class Tune:
+
+class Tune(NamedTuple):
     """How a phrase ends: height of its last accent above the declination, height reached in the middle of its
     last vowel (0: none of its own), where it ends, and a factor on all its accents."""
 
@@ -90,22 +92,30 @@ class MelodyModel:
         `register`: the voice's middle pitch and the width of its range, Hz."""
         f0, width = register
         above = (self._top - self._floor) * math.exp(-state.elapsed_ms / self._decay_ms)
-        start, fall = f0 + width * (self._floor + above), width * above / self._decay_ms
-        *begins, length = accumulate(ms, initial=0.0)
-        out: list[Pitch] = [((0.0, start - fall * begin),) for begin in begins]
-        for i, x in zip(range(len(out)), state.tail, strict=False):
-            out[i] = _raised(out[i], width * x)
-        state.tail = state.tail[len(out) :]
-        if accent >= 0:
-            peak = start - fall * (begins[accent] + 0.55 * ms[accent]) + width * height
-            out[accent] = (*_raised(out[accent], width * height * self._rise), (55.0, peak))
-            if accent:
-                out[accent - 1] = _raised(out[accent - 1], width * height * self._before)
-            after = (self._after * height, self._later * height)
-            for i, x in zip(range(accent + 1, len(out)), after, strict=False):
-                out[i] = _raised(out[i], width * x)
-            state.tail = after[len(out) - accent - 1 :]
-        state.elapsed_ms += length
+        line, fall = f0 + width * (self._floor + above), width * above / self._decay_ms
+        starts = []
+        for d in ms:
+            starts.append(line)
+            line -= fall * d
+        n = len(starts)
+        if state.tail:
+            for i, x in zip(range(n), state.tail, strict=False):
+                starts[i] += width * x
+            state.tail = state.tail[n:]
+        state.elapsed_ms += sum(ms)
+        if accent < 0:
+            return [((0.0, hz),) for hz in starts]
+        rise = width * height
+        peak = starts[accent] - fall * ms[accent] * (PEAK_PERCENT / 100.0) + rise
+        starts[accent] += rise * self._rise
+        if accent:
+            starts[accent - 1] += rise * self._before
+        after = (self._after * height, self._later * height)
+        for i, x in zip(range(accent + 1, n), after, strict=False):
+            starts[i] += width * x
+        state.tail = after[n - accent - 1 :]
+        out: list[Pitch] = [((0.0, hz),) for hz in starts]
+        out[accent] = (*out[accent], (PEAK_PERCENT, peak))
         return out
 
     def ending(
@@ -127,8 +137,3 @@ class MelodyModel:
             pitch[i] = ((0.0, hz + slope * passed),)
             passed += ms[i]
         pitch[-1] = (*pitch[-1], (100.0, goal))
-
-
-def _raised(pitch: Pitch, hz: float) -> Pitch:
-    """With its start higher."""
-    return ((0.0, pitch[0][1] + hz),)

@@ -51,7 +51,7 @@ class Item:
     text: str
     start: int
     end: int
-    spoken: list[Spoken]
+    spoken: Sequence[Spoken]
     style: Style = PLAIN
     stop: str = ""
 
@@ -82,6 +82,10 @@ class Normaliser:
             for form in classes.get(name, ()):
                 for key in (form, form + "'s", form + "’s") if form[0].isalpha() else form[:1]:
                     self._starters[key] = tuple(dict.fromkeys((*self._starters.get(key, ()), name)))
+        edges = "'’" + "".join(_PRIMES) + ".$"
+        keys = (*self._starters, *self._abbreviations)
+        self._special = frozenset(keys) | {key.rstrip(edges) for key in keys}
+        """Words that by themselves or with a sign after them are more than their letters."""
         going_on = [form.lower() for name in patterns.going_on for form in classes[name]]
         self._going_on = frozenset(part for form in going_on for part in form.split())
 
@@ -99,12 +103,14 @@ class Normaliser:
             if lexicon and (own := self._own(token, lexicon)):
                 taken.items.append(own)
                 taken.used += 1
+            elif token.word and token.word not in self._special:
+                self._single(taken, token, before, self._words(token.word))
             elif token.word or token.said:
                 if self._starts(token, before):
                     if not self._group(taken, tokens, closed, before):
                         break
                 else:
-                    self._single(taken, token, before)
+                    self._single(taken, token, before, self._spoken(token))
             elif not self._group(taken, tokens, closed, before):
                 break
             if taken.items:
@@ -134,20 +140,22 @@ class Normaliser:
         )
         return bool(places) and any(self._patterns.may_begin(place, before) for place in places or ())
 
-    def _single(self, taken: Taken, token: Token, before: str) -> None:
-        """A token that is read by itself: its word is plain, or mark-up says how."""
-        text, word = token.text, token.word
-        spoken: list[Spoken]
+    def _spoken(self, token: Token) -> Sequence[Spoken]:
+        """What a token is read as: mark-up or the vocabulary may say it."""
         if token.said:
-            spoken = list(token.said)
-            word = text
-        else:
-            entry = self._abbreviations.get(word)
-            if entry is None and len(word) < len(text):
-                entry = self._abbreviations.get(_signed(token))
-            spoken = [*entry.one.split()] if entry else [*self._words(word)]
-            if len(spoken) > 1 and word.isupper() and self._in_capitals(word, before):
-                spoken = [*self._words(word.lower())]
+            return token.said
+        word = token.word
+        entry = self._abbreviations.get(word)
+        if entry is None and len(word) < len(token.text):
+            entry = self._abbreviations.get(_signed(token))
+        return entry.one.split() if entry else self._words(word)
+
+    def _single(self, taken: Taken, token: Token, before: str, spoken: Sequence[Spoken]) -> None:
+        """A token that is read by itself."""
+        text = token.text
+        word = text if token.said else token.word
+        if len(spoken) > 1 and not token.said and word.isupper() and self._in_capitals(word, before):
+            spoken = self._words(word.lower())
         taken.used += 1
         if not spoken:
             return

@@ -26,7 +26,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from fapstream.errors import DataError
@@ -47,8 +46,7 @@ class Entry(NamedTuple):
     gender: str
 
 
-@dataclass(frozen=True, slots=True)
-class Found:
+class Found(NamedTuple):
     """A match in its surroundings; `before`: the word before it in the phrase, lower-case, "" if none."""
 
     match: re.Match[str]
@@ -73,8 +71,7 @@ class Reading(NamedTuple):
     end: int
 
 
-@dataclass(frozen=True, slots=True)
-class _Part:
+class _Part(NamedTuple):
     """A piece of a reading: a literal (`group` empty), a group with its reader, or an optional sequence."""
 
     literal: str = ""

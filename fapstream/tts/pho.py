@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 from itertools import accumulate
+from typing import NamedTuple
 
 from fapstream.errors import DataError
 from fapstream.records import Phone, Utterance, Word
@@ -20,8 +20,7 @@ FLUSH = "#\n"
 _NAME = re.compile(r"[!-:<-~]{1,8}")
 
 
-@dataclass(frozen=True, slots=True)
-class PhoLine:
+class PhoLine(NamedTuple):
     """A line as read back."""
 
     name: str
@@ -69,8 +68,7 @@ def parse(text: str) -> list[PhoLine]:
     return out
 
 
-@dataclass(frozen=True, slots=True)
-class Written:
+class Written(NamedTuple):
     """Lines for MBROLA and what they say: the phones with their words, and where each of them ends, in
     samples from where the last lines ended. `following`: the phone that will be next, where that is known."""
 
@@ -99,7 +97,7 @@ class Realiser:
         if not phones:
             return Written("", (), [], None)
         plain = [phone for phone, _ in phones]
-        join = replace(self._join, more=not utterance.closed)
+        join = self._join._replace(more=not utterance.closed)
         made = realise(plain, self._voice, join)
         ends = list(accumulate(lengths(made, len(plain))))
         count = len(plain) if utterance.closed else _first_of_last(plain, self._voice, join)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from fapstream.records import SILENCE, Note, Phone, Utterance, Word
+from fapstream.records import SILENCE, Note, Phone, Utterance, Word, make
 from fapstream.tts.manner import PHRASE, Manner
 from fapstream.tts.markup import PLAIN
 from fapstream.tts.melody import MelodyState, Pitch
@@ -68,6 +68,7 @@ class Planner:
         self._lang = lang
         self._prosody = prosody
         self._manner = manner
+        self._register = manner.f0_hz * manner.pitch, manner.range_hz
         self._state = MelodyState()
         self._words: list[PlannedWord] = []
         self._asks = False
@@ -202,26 +203,26 @@ class Planner:
     def _word(self, word: PlannedWord, tune_name: str | None, last: bool, last_accent: bool) -> None:
         """Plans one word. `tune_name`: that of the phrase's end if it is in sight, and then `last` and
         `last_accent` say whether the word is its last and bears its last accent."""
-        item, sounds, manner, prosody = word.item, word.sounds, self._manner, self._prosody
+        item, sounds, prosody, state = word.item, word.sounds, self._prosody, self._state
         if not sounds:
             return
-        style = item.style
-        tune = prosody.melody.tunes[tune_name] if tune_name else None
+        melody, style, register = prosody.melody, item.style, self._register
+        rate, gain = self._manner.rate, self._manner.volume
+        tune = melody.tunes[tune_name] if tune_name else None
         final = last and tune is not None
-        f0, width, rate, gain = manner.f0_hz * manner.pitch, manner.range_hz, manner.rate, manner.volume
         ms = prosody.durations.word(sounds, word.n_vowels, word.function, final)
         if style is not PLAIN:
-            f0, width = f0 * style.pitch, width * style.range
+            register = register[0] * style.pitch, register[1] * style.range
             rate *= style.rate / (1.0 + prosody.emphasis_length * max(style.emphasis, 0.0))
             gain *= style.volume * (1.0 + prosody.emphasis_gain * style.emphasis)
         if rate != 1.0:
             ms = [d / rate for d in ms]
-        height = 0.0
-        if word.accent >= 0:
-            height = prosody.melody.height(self._state, tune, last_accent, style.emphasis)
-        pitch = prosody.melody.word(ms, word.accent, height, self._state, (f0, width))
+        accent, height = word.accent, 0.0
+        if accent >= 0:
+            height = melody.height(state, tune, last_accent, style.emphasis)
+        pitch = melody.word(ms, accent, height, state, register)
         if final and tune is not None:
-            prosody.melody.ending(sounds, ms, pitch, tune, (f0, width))
+            melody.ending(sounds, ms, pitch, tune, register)
         self._emit(item, sounds, ms, pitch, gain)
 
     def _emit(
@@ -232,13 +233,14 @@ class Planner:
             self._silent_so_far = False
         if item is not self._item:
             self._item = item
-            self._said.append(Word(item.text, item.start, item.end, tuple(item.spoken)))
+            self._said.append(make(Word, (item.text, item.start, item.end, tuple(item.spoken))))
         index = len(self._said) - 1
         new = [
-            Phone(s.name, d, p, s.stress, index, None, gain)
+            make(Phone, (s.name, d, p, s.stress, index, None, gain, (), False))
             for s, d, p in zip(sounds, ms, pitch, strict=True)
         ]
-        if self._notes and self._notes[0].start <= item.start:
+        notes = self._notes
+        if notes and notes[0].start <= item.start:
             new[0] = new[0]._replace(notes=self._notes_until(item.start))
         self._phones += new
         self._last = sounds[-1], new[-1]

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from fapstream.errors import DataError
 from fapstream.tts.durations import DurationModel
@@ -20,8 +20,7 @@ LIMIT = 10_000.0
 """No entry of the table is greater."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stop:
+class Stop(NamedTuple):
     """What a phrase end sounds like: pause, tune, and how far the declination starts again (0..1)."""
 
     pause_ms: float

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from fapstream.records import Note, Spoken
 from fapstream.tts.markup import PLAIN, Style, Tag, break_ms, parse, styled
@@ -22,8 +23,7 @@ MAX_CONTENT = 400
 _CAPTURING = frozenset(("sub", "say-as", "phoneme"))
 
 
-@dataclass(frozen=True, slots=True)
-class Pause:
+class Pause(NamedTuple):
     """The phrase ends as `kind` says (see `stops` in prosody.toml); `ms`: how long the pause is, if it
     says."""
 
@@ -60,10 +60,15 @@ class Reader:
         self._style = PLAIN
         self._capture: _Capture | None = None
 
-    def feed(self, text: str) -> Iterator[Event]:
+    def feed(self, text: str) -> list[Event]:
         """What more text completes."""
+        out: list[Event] = []
         for found in self._scanner.feed(text):
-            yield from self._take(found)
+            if type(found) is Run and self._capture is None:
+                out += self._segmenter.tokens(found.text, found.start, self._style)
+            else:
+                out += self._take(found)
+        return out
 
     def end(self) -> Iterator[Event]:
         """The text is over."""

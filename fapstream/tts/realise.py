@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from itertools import accumulate
+from typing import NamedTuple
 
 from fapstream.records import SILENCE, Phone
 from fapstream.tts.voices import Voice, phone_codes
@@ -22,8 +22,7 @@ Group = tuple[tuple[str, ...], int, int]
 """Voice phones, the first of the language phones that they say, and one past the last."""
 
 
-@dataclass(frozen=True, slots=True)
-class VoicePhone:
+class VoicePhone(NamedTuple):
     """One phone as the voice gets it.
 
     `pitch`: (percent of the duration, Hz), at least one. `parts`: (index of the language phone, how many of
@@ -37,8 +36,7 @@ class VoicePhone:
     parts: tuple[tuple[int, int], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Join:
+class Join(NamedTuple):
     """What was written before, and whether more is to come.
 
     `previous`: the voice phone written last, silence at the start of a stream. `before`: the language phone
@@ -72,7 +70,7 @@ def realise(phones: Sequence[Phone], voice: Voice, join: Join = _ALONE) -> list[
         if not voice.joins(previous, name):
             bridge, slot = _bridge(slot, voice)
             joined.append(bridge)
-        joined.append(slot if slot.name == name else replace(slot, name=name))
+        joined.append(slot if slot.name == name else slot._replace(name=name))
         previous = name
     return _with_pitch(joined, phones, ends, voice)
 
@@ -122,7 +120,7 @@ def _slots(
         found = _spread(names, ends, i, j)
         if slots and i and phones[i].hold and phones[i].name == phones[i - 1].name:
             last, drawn = slots[-1], sum(slot.n_samples for slot in found)
-            slots[-1] = replace(last, n_samples=last.n_samples + drawn, parts=(*last.parts, (i, drawn)))
+            slots[-1] = last._replace(n_samples=last.n_samples + drawn, parts=(*last.parts, (i, drawn)))
         else:
             slots += found
     return [piece for slot in slots if slot.n_samples for piece in _bounded(slot, voice.sample_rate)]
@@ -152,7 +150,7 @@ def _bounded(slot: VoicePhone, rate: int) -> list[VoicePhone]:
     if slot.n_samples <= limit:
         return [slot]
     head, tail = _cut(slot, limit)
-    return [head, *_bounded(replace(tail, name=SILENCE), rate)]
+    return [head, *_bounded(tail._replace(name=SILENCE), rate)]
 
 
 def _cut(slot: VoicePhone, at: int) -> tuple[VoicePhone, VoicePhone]:
@@ -167,15 +165,15 @@ def _cut(slot: VoicePhone, at: int) -> tuple[VoicePhone, VoicePhone]:
             head.append((index, taken))
         if samples > taken:
             tail.append((index, samples - taken))
-    first = replace(slot, n_samples=at, parts=tuple(head))
-    return first, replace(slot, n_samples=slot.n_samples - at, parts=tuple(tail))
+    first = slot._replace(n_samples=at, parts=tuple(head))
+    return first, slot._replace(n_samples=slot.n_samples - at, parts=tuple(tail))
 
 
 def _bridge(slot: VoicePhone, voice: Voice) -> tuple[VoicePhone, VoicePhone]:
     """A short silence, and what is left of the slot."""
     wished = max(voice.period, int(BRIDGE_MS * voice.sample_rate / 1000.0))
     head, tail = _cut(slot, max(1, min(wished, slot.n_samples // 2))) if slot.n_samples > 1 else (slot, slot)
-    return replace(head, name=SILENCE), tail
+    return head._replace(name=SILENCE), tail
 
 
 def _choose(names: Sequence[str], voice: Voice, previous: str) -> list[str]:

@@ -13,11 +13,12 @@ anything else, `item*` for any number (right only), and `#` for a word boundary.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
 from fapstream.errors import DataError
+from fapstream.records import make
 from fapstream.tts.tables import read_rows
 
 BOUNDARY = " "
@@ -54,20 +55,19 @@ class RuleSet:
         self._classes: dict[str, list[str]] = {}
         for name, symbols in classes.items():
             self._classes[name] = [s for symbol in symbols.split() for s in self._symbols(symbol)]
-        begin: dict[str, list[tuple[str, tuple[str, ...]]]] = {}
+        begin: dict[str, list[tuple[int | None, str, tuple[str, ...]]]] = {}
         past = []
         for line, (left, text, right, output) in rules:
             try:
                 pattern = self._pattern(left, text, right) + "()"
-                re.compile(pattern)
                 first = {s[0] for s in self._symbols(text.split()[0])}
                 past += self._past(left, text, right)
-            except (KeyError, IndexError, ValueError, re.error) as error:
-                raise DataError(path, line, f"cannot understand the rule ({error})") from error
+            except (KeyError, IndexError, ValueError) as error:
+                raise _not_understood(path, line, error) from error
             for symbol in first:
-                begin.setdefault(symbol, []).append((pattern, tuple(output.split())))
+                begin.setdefault(symbol, []).append((line, pattern, tuple(output.split())))
         self._by_symbol = {
-            symbol: (re.compile("|".join(p for p, _ in rules)).match, [output for _, output in rules])
+            symbol: (_any_of([(line, p) for line, p, _ in rules], path).match, [o for _, _, o in rules])
             for symbol, rules in begin.items()
         }
         self._past_end = re.compile("|".join(past) or "(?!)")
@@ -88,18 +88,19 @@ class RuleSet:
                 rules.append((line, (left, text, right, output)))
         return cls(rules, classes, path=path)
 
-    def apply(self, text: str, at: int = 0) -> Iterator[Match]:
+    def apply(self, text: str, at: int = 0) -> list[Match]:
         """The rewriting of `text` from `at` on, left to right; symbols no rule matches are passed over."""
+        out: list[Match] = []
         by_symbol, n = self._by_symbol, len(text)
         while at < n:
             rules = by_symbol.get(text[at])
-            found = rules[0](text, at) if rules else None
-            if rules and found:
+            if rules and (found := rules[0](text, at)):
                 end = found.end()
-                yield Match(at, end, rules[1][(found.lastindex or 1) - 1])
+                out.append(make(Match, (at, end, rules[1][(found.lastindex or 1) - 1])))
                 at = end
             else:
                 at += 1
+        return out
 
     def looks_past(self, word: str) -> bool:
         """Whether what follows can matter to a word: if not, no following word changes its rewriting."""
@@ -153,3 +154,20 @@ class RuleSet:
         if name == "#":
             return [BOUNDARY]
         return self._classes[name] if name in self._classes else list(self._encode(name))
+
+
+def _any_of(patterns: Sequence[tuple[int | None, str]], path: str) -> re.Pattern[str]:
+    """The patterns as one expression. Raises DataError naming the line of one that is none."""
+    try:
+        return re.compile("|".join(pattern for _, pattern in patterns))
+    except re.error:
+        for line, pattern in patterns:
+            try:
+                re.compile(pattern)
+            except re.error as error:
+                raise _not_understood(path, line, error) from error
+        raise
+
+
+def _not_understood(path: str, line: int | None, error: Exception) -> DataError:
+    return DataError(path, line, f"cannot understand the rule ({error})")

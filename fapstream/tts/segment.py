@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from fapstream.records import ExpressionName, Spoken
+from fapstream.records import ExpressionName, Spoken, make
 from fapstream.tts.markup import PLAIN, Style
 
 MAX_TOKEN = 200
@@ -56,6 +56,7 @@ _AREA = re.compile(r"\(\d{1,3}\)[-\d]{0,20}")
 _DAY = re.compile(r"(?:[12]\d|3[01]|[1-9])(?:st|nd|rd|th)?,")
 _YEAR = re.compile(r"(?:1\d|20)\d\d(?!\d)")
 _TAIL = re.compile(r"([.!?;:,·…\u037e\u0387]+)[" + re.escape(_CLOSERS) + "]*$")
+_MARKS = ",.!?:"
 _NO_LETTERS = r"\W\d_²³¹¼-¾\u2070-\u2089\u2150-\u2189"
 _WORD = re.compile(f"[{re.escape(_OPENERS)}]*([^{_NO_LETTERS}]+(?:['’][^{_NO_LETTERS}]+)*)([^\\w\\s(\\[]*)$")
 INITIALS = re.compile(r"([^\W\d_]\.)+")
@@ -231,11 +232,17 @@ class Segmenter:
         self._abbreviations = abbreviations
         self._question = "?;\u037e" if lang == "el" else "?\u037e"
 
-    def tokens(self, run: str, start: int, style: Style = PLAIN) -> Iterator[Token]:
+    def tokens(self, run: str, start: int, style: Style = PLAIN) -> Sequence[Token]:
         """The tokens of one run of characters without white space."""
         if run.isalpha():
-            yield Token(run, start, run, "", style)
-            return
+            return (make(Token, (run, start, run, "", style, None, 0.0, "", None)),)
+        if run[-1] in _MARKS and (word := run[:-1]).isalpha():
+            stop = self.stop(run) if run[-1] == "." else self._kind(run[-1])
+            return (make(Token, (run, start, word, stop, style, None, 0.0, "", None)),)
+        return list(self._tokens(run, start, style))
+
+    def _tokens(self, run: str, start: int, style: Style) -> Iterator[Token]:
+        """Those of a run that is more than a word and one mark after it."""
         raw = run
         if "&" in run and ";" in run:
             run = _ENTITY.sub(_decoded, run)

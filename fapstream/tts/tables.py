@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 from fapstream import data
 from fapstream.errors import DataError, UnknownLanguage
@@ -13,8 +13,7 @@ LANGUAGES = ("en", "el")
 """Languages that can be read aloud."""
 
 
-@dataclass(frozen=True, slots=True)
-class PhoneInfo:
+class PhoneInfo(NamedTuple):
     """What is known of one language-level phone whatever word it stands in.
 
     `kind`: vowel, stop, affricate, fricative, nasal, liquid, glide or silence. `mean_ms` is the

@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from fapstream.records import SILENCE, Phone, Utterance
-from fapstream.tts import PHRASE, FrontEnd, Manner, default_voice
+from fapstream.tts import PHRASE, FrontEnd, Manner
+from fapstream.tts.voices import default_voice
 from tests.benchmarks import espeak
 from tests.benchmarks.sequences import aligned
 

@@ -22,7 +22,9 @@ import fapstream
 from fapstream.adapters.mbrola import LIBSTDBUF, database
 from fapstream.client import Talker
 from fapstream.records import SILENCE, Packet
-from fapstream.tts import FrontEnd, Manner, pho, realise, voice
+from fapstream.tts import FrontEnd, Manner, pho
+from fapstream.tts.realise import realise
+from fapstream.tts.voices import voice
 from tests.benchmarks.server import server
 
 SENTENCE = (

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fapstream.adapters.mbrola import MbrolaPool
 from fapstream.records import SILENCE, Phone, TimedPhone, Utterance
-from fapstream.tts import phone_set, voice
+from fapstream.tts import phone_set
+from fapstream.tts.voices import voice
 from tests.e2e.boundaries import level_db
 
 BLOCKS = 200

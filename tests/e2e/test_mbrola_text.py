@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from fapstream.tts import FrontEnd, Manner, Realiser, Voice, voices
+from fapstream.tts import FrontEnd, Manner
 from fapstream.tts.english import english
+from fapstream.tts.pho import Realiser
+from fapstream.tts.voices import Voice, voices
 
 DATABASES = Path("/usr/share/mbrola")
 TEXTS = {

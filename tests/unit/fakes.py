@@ -12,7 +12,8 @@ import numpy as np
 
 from fapstream.errors import SynthesisError, UnknownLanguage, UnknownVoice
 from fapstream.records import SILENCE, Phone, Speech, TimedPhone, Utterance
-from fapstream.tts import LANGUAGES, Voice, default_voice, voices
+from fapstream.tts import LANGUAGES
+from fapstream.tts.voices import Voice, default_voice, voices
 
 
 class _Selector:

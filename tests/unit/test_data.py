@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from fapstream import data
 from fapstream.data import names, read_bytes, read_lines, read_text
 from fapstream.errors import DataError
 
@@ -20,9 +21,9 @@ def test_files_of_rooms_are_found() -> None:
 def test_lines_keep_their_numbers_and_comments_are_left_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "data").mkdir()
-    (tmp_path / "data/a.tsv").write_text("# c\n\na\t1\n  \n;b\t2\n", encoding="utf-8")
-    monkeypatch.setattr("importlib.resources.files", lambda _: tmp_path)
+    (tmp_path / "any/data").mkdir(parents=True)
+    (tmp_path / "any/data/a.tsv").write_text("# c\n\na\t1\n  \n;b\t2\n", encoding="utf-8")
+    monkeypatch.setattr(data, "PACKAGE", str(tmp_path))
     assert list(read_lines("any", "a.tsv")) == [(3, "a\t1"), (5, ";b\t2")]
     assert list(read_lines("any", "a.tsv", comment=";")) == [(1, "# c"), (3, "a\t1")]
 

@@ -16,7 +16,8 @@ from fapstream.adapters import espeak
 from fapstream.adapters.espeak import EspeakPool, EspeakProcess, EspeakSynthesizer, split_at_pauses
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, TimedPhone, Utterance
-from fapstream.tts import FrontEnd, Manner, voice
+from fapstream.tts import FrontEnd, Manner
+from fapstream.tts.voices import voice
 
 pytestmark = pytest.mark.skipif(not espeak.installed(), reason="the extra `espeak` is not installed")
 

@@ -17,8 +17,9 @@ from fapstream.adapters import mbrola
 from fapstream.adapters.mbrola import MAX_RESTARTS, MbrolaPool, MbrolaProcess, MbrolaSynthesizer, amplified
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
-from fapstream.tts import FrontEnd, Manner, Voice, pho, phone_set, realise, voice
-from fapstream.tts.realise import Join
+from fapstream.tts import FrontEnd, Manner, pho, phone_set
+from fapstream.tts.realise import Join, realise
+from fapstream.tts.voices import Voice, voice
 
 pytestmark = pytest.mark.skipif(shutil.which("mbrola") is None, reason="MBROLA is not installed")
 

@@ -11,7 +11,8 @@ from fapstream.adapters.espeak import EspeakSynthesizer
 from fapstream.adapters.mbrola import MbrolaSynthesizer
 from fapstream.adapters.pool import VoicePool
 from fapstream.errors import UnknownLanguage, UnknownVoice, VoiceUnavailable
-from fapstream.tts import LANGUAGES, Voice, default_voice, voice, voices
+from fapstream.tts import LANGUAGES
+from fapstream.tts.voices import Voice, default_voice, voice, voices
 
 Have = Callable[[str], VoicePool]
 

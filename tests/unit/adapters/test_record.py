@@ -6,7 +6,8 @@ import pytest
 
 from fapstream.adapters.record import PhoRecorder
 from fapstream.records import SILENCE, Phone, Utterance
-from fapstream.tts import FrontEnd, pho, voice
+from fapstream.tts import FrontEnd, pho
+from fapstream.tts.voices import voice
 from tests.unit.fakes import FakeVoice
 
 

@@ -17,7 +17,7 @@ from fapstream.cli.convert import bound_points
 from fapstream.fap import FapSequence, faps, format_fap, read_animation, read_fap
 from fapstream.fap.fdp import read_fdp, read_xfdp
 from fapstream.head.gltf import read_head
-from fapstream.tts import voice
+from fapstream.tts.voices import voice
 from tests.unit.head.avatars import avatar
 
 HEAD = resources.files("fapstream").joinpath("assets", "heads", "generic.glb")

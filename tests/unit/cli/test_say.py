@@ -18,7 +18,8 @@ from fapstream.adapters.audio import AudioUnavailable, Render
 from fapstream.adapters.pool import installed
 from fapstream.cli import main, say
 from fapstream.records import Pcm
-from fapstream.tts import pho, voice
+from fapstream.tts import pho
+from fapstream.tts.voices import voice
 from fapstream.viewer.sound import SilentDevice
 
 TEXT = {"en": "Hello world, it is 21:45. \\:)500 Good bye!", "el": "Καλημέρα κόσμε. \\:)500 Τι κάνεις;"}

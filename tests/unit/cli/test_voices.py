@@ -7,7 +7,7 @@ import pytest
 from fapstream import __version__
 from fapstream.adapters.pool import installed
 from fapstream.cli import COMMANDS, main
-from fapstream.tts import voices
+from fapstream.tts.voices import voices
 
 
 def test_one_line_a_voice(capsys: pytest.CaptureFixture[str]) -> None:

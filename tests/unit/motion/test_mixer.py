@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from fapstream import data
 from fapstream.errors import DataError
 from fapstream.fap import EXPRESSIONS, expressions, limits, visemes
 from fapstream.motion import mixer
@@ -139,8 +140,8 @@ def test_the_frame_is_the_callers_own() -> None:
 
 @pytest.mark.parametrize("row", ["4 5\tx\twhy", "4 5\t30", "99\t30\twhy", "four\t30\twhy"])
 def test_a_bad_row_names_its_line(row: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "data").mkdir()
-    (tmp_path / "data/mixing.tsv").write_text(f"# c\n# faps\tpercent\twhy\n{row}\n", encoding="utf-8")
-    monkeypatch.setattr("importlib.resources.files", lambda _: tmp_path)
+    (tmp_path / "motion/data").mkdir(parents=True)
+    (tmp_path / "motion/data/mixing.tsv").write_text(f"# c\n# faps\tpercent\twhy\n{row}\n", encoding="utf-8")
+    monkeypatch.setattr(data, "PACKAGE", str(tmp_path))
     with pytest.raises(DataError, match=r"mixing\.tsv:3: "):
         mixer.shares_while_speaking.__wrapped__()

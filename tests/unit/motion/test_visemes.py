@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from fapstream import data
 from fapstream.errors import DataError, UnknownLanguage
 from fapstream.fap import EXPRESSIONS, visemes
 from fapstream.motion import visemes as module
@@ -76,11 +77,11 @@ def test_an_unknown_language(lang: str) -> None:
      "a\t10@x\t0\t100", "a\t\t0\t100", "a\t10@101\t0\t100"],
 )  # fmt: skip
 def test_a_bad_row_names_its_line(row: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = tmp_path / "data"
-    folder.mkdir()
+    folder = tmp_path / "motion/data"
+    folder.mkdir(parents=True)
     head = "# a comment\n# phone\ttargets\thold_ms\tunstressed\n\n"
     (folder / "visemes_qq.tsv").write_text(f"{head}_\t0@50\t0\t100\n{row}\n", encoding="utf-8")
-    monkeypatch.setattr("importlib.resources.files", lambda _: tmp_path)
+    monkeypatch.setattr(data, "PACKAGE", str(tmp_path))
     with pytest.raises(DataError, match=r"visemes_qq\.tsv:5: "):
         phone_shapes.__wrapped__("qq")
 
