@@ -22,7 +22,7 @@ class English:
         """Reads the lexicon; the trees are read when a word is in no other way known. Raises DataError."""
         self._lexicon = Lexicon(read_bytes("en/lexicon.bin"))
         self._stems = Stems(self._lexicon.get)
-        self._homographs = Homographs()
+        self._homographs = Homographs.read("en/homographs.tsv")
         self._letters = {row[0].upper(): tuple(row[1].split()) for _, row in read_rows("en/letters.tsv", 2)}
         rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
         self._weak = {row[0]: tuple(row[1].split()) for row in rows if row[1]}

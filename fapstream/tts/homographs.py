@@ -1,123 +1,156 @@
 """English words that sound differently by what they are, told apart by the words around them.
 
-`homographs.tsv` has the words, each with its kind and its pronunciations; `homograph_kinds.tsv` the rules of
-the kinds, in order, as the Greek rules are: left context, right context, and which pronunciation is taken.
+The table has four columns: left context, word, right context, phones. The first line of a word whose
+contexts fit is taken; its last has none. A context is up to two items on the left, one on the right: a word,
+a class of a line `class NAME item item ...`, `*ed` for an ending, `#` for the phrase's edge.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from fapstream.errors import DataError
-from fapstream.tts.stems import plural
-from fapstream.tts.tables import read_rows
+from fapstream.tts.tables import phone_set, read_rows
 
 Tokens = tuple[str, ...]
 LEFT = 2
 """Words before a homograph that may tell what it is; after it, it is one."""
 EDGE = "#"
-THIRD_PERSON = {"nv": "nvs", "vn": "vns"}
-"""Kinds whose words have a form in -s, and the kind of that."""
+CLASS = "class "
 
 
-class _Item(NamedTuple):
-    """What a word next to a homograph must be: one of some words, or ends with something; any if both are
-    empty."""
+class Item(NamedTuple):
+    """What a word next to a homograph may be: one of some words, or one with one of some endings."""
 
-    words: frozenset[str] = frozenset()
-    ending: str = ""
+    words: frozenset[str]
+    endings: tuple[str, ...]
 
     def fits(self, word: str) -> bool:
-        if self.ending:
-            return word.endswith(self.ending)
-        return not self.words or word in self.words
+        return word in self.words or word.endswith(self.endings)
 
 
-@dataclass(slots=True)
-class _Kind:
-    """Rules: items before, nearest first, the item after or None, index of the pronunciation."""
+class Rule(NamedTuple):
+    """One line. `left`: nearest first."""
 
-    rules: list[tuple[tuple[_Item, ...], _Item | None, int]] = field(default_factory=list)
+    left: tuple[Item, ...]
+    right: Item | None
+    phones: Tokens
 
-    @property
-    def looks_right(self) -> bool:
-        return any(right for _, right, _ in self.rules)
+    def fits(self, near: str, far: str, following: str) -> bool:
+        if self.right is not None and not self.right.fits(following):
+            return False
+        left = self.left
+        return not left or (left[0].fits(near) and (len(left) < LEFT or left[1].fits(far)))
 
 
 class Homographs:
     """Chooses pronunciations."""
 
-    def __init__(self) -> None:
-        """Reads the tables. Raises DataError."""
-        self._kinds = _kinds("en/homograph_kinds.tsv")
-        self._words: dict[str, tuple[_Kind, tuple[Tokens, ...]]] = {}
-        path = "en/homographs.tsv"
-        for line, (word, kind, pronunciations) in read_rows(path, 3):
-            ways = tuple(tuple(way.split()) for way in pronunciations.split(" / "))
-            self._add(path, line, word, kind, ways)
-            if kind in THIRD_PERSON:
-                self._words.setdefault(
-                    word + "s", (self._kinds[THIRD_PERSON[kind]], tuple(map(plural, ways)))
-                )
+    def __init__(self, rules: Mapping[str, tuple[Rule, ...]]) -> None:
+        self._rules = rules
+        self._looking = frozenset(word for word, own in rules.items() if any(rule.right for rule in own))
 
-    def _add(self, path: str, line: int, word: str, kind: str, ways: tuple[Tokens, ...]) -> None:
-        rules = self._kinds.get(kind)
-        if rules is None or not all(ways) or any(index >= len(ways) for _, _, index in rules.rules):
-            raise DataError(path, line, f"no such kind, or too few pronunciations: {word} {kind}")
-        self._words[word] = rules, ways
+    @classmethod
+    def read(cls, path: str) -> Homographs:
+        """A table of `tts/data`. Raises DataError with the line for one that is wrong."""
+        table = _Table(path)
+        for line, fields in read_rows(path, 4):
+            if fields[0].startswith(CLASS):
+                table.add_class(line, fields[0].split()[1:])
+            else:
+                table.add_rule(line, fields)
+        return cls(table.finished())
 
-    def __contains__(self, word: str) -> bool:
-        return word in self._words
+    def __contains__(self, word: object) -> bool:
+        return word in self._rules
 
     @property
     def words(self) -> Mapping[str, tuple[Tokens, ...]]:
-        """Every homograph and its pronunciations."""
-        return {word: ways for word, (_, ways) in self._words.items()}
+        """Every homograph and its pronunciations, the usual one last."""
+        return {word: tuple(dict.fromkeys(rule.phones for rule in own)) for word, own in self._rules.items()}
 
     def needs_next(self, word: str) -> bool:
         """Whether the word after it, or that there is none, could matter."""
-        found = self._words.get(word)
-        return found is not None and found[0].looks_right
+        return word in self._looking
 
     def choose(self, before: Sequence[str], word: str, after: str | None) -> Tokens | None:
         """How a word sounds after the words before it, nearest last, and before the next, None at the
         phrase's end; None if it is no homograph."""
-        found = self._words.get(word)
-        if found is None:
+        rules = self._rules.get(word)
+        if rules is None:
             return None
-        kind, ways = found
-        left = [*reversed(before[-LEFT:]), EDGE, EDGE]
-        following = after or EDGE
-        for items, right, index in kind.rules:
-            if (right is None or right.fits(following)) and all(
-                item.fits(w) for item, w in zip(items, left, strict=False)
-            ):
-                return ways[index]
-        return None
+        near = before[-1] if before else EDGE
+        far = before[-2] if len(before) > 1 else EDGE
+        following = EDGE if after is None else after
+        return next(rule.phones for rule in rules if rule.fits(near, far, following))
 
 
-def _kinds(path: str) -> dict[str, _Kind]:
-    classes: dict[str, set[str]] = {}
-    kinds: dict[str, _Kind] = {}
-    for line, (name, left, right, number) in read_rows(path, 4):
-        if name.startswith("class "):
-            _, called, *words = name.split()
-            classes.setdefault(called, set()).update(words)
-            continue
-        items = tuple(_item(text, classes) for text in reversed(left.split()))
-        if number not in ("1", "2") or len(items) > LEFT or len(right.split()) > 1:
-            raise DataError(path, line, f"expected {LEFT} items, an item, and 1 or 2")
-        after = _item(right, classes) if right else None
-        kinds.setdefault(name, _Kind()).rules.append((items, after, int(number) - 1))
-    for name, kind in kinds.items():
-        if kind.rules[-1][0] or kind.rules[-1][1]:
-            raise DataError(path, None, f"the last rule of {name} has a context")
-    return kinds
+class _Table:
+    """What has been read of a table so far."""
 
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._items: dict[str, Item] = {}
+        self._classes: dict[str, set[str]] = {}
+        self._rules: dict[str, list[Rule]] = {}
+        self._lines: dict[str, int] = {}
+        self._phones = phone_set("en")
+        self._tokens: dict[str, Tokens] = {}
 
-def _item(text: str, classes: Mapping[str, set[str]]) -> _Item:
-    if text.startswith("*") and len(text) > 1:
-        return _Item(ending=text[1:])
-    return _Item() if text == "." else _Item(frozenset(classes.get(text, (text,))))
+    def add_class(self, line: int, names: list[str]) -> None:
+        """A class, or more of it; the classes named in it are those read before."""
+        if len(names) < 2 or not names[0].isupper() or self._rules:
+            raise DataError(self._path, line, "a class has a name in capitals and words, before all rules")
+        members = self._classes.setdefault(names[0], set())
+        for text in names[1:]:
+            members |= self._members(line, text)
+
+    def add_rule(self, line: int, fields: list[str]) -> None:
+        """A line of the word in the second field."""
+        left, word, right, phones = fields
+        rules = self._rules.setdefault(word, [])
+        if not word or word != word.lower() or len(word.split()) != 1:
+            raise DataError(self._path, line, f"not a lower-case word: {word!r}")
+        if len(left.split()) > LEFT or len(right.split()) > 1:
+            raise DataError(self._path, line, f"more than {LEFT} items on the left or one on the right")
+        if rules and not (rules[-1].left or rules[-1].right):
+            raise DataError(self._path, line, f"never reached: {word} has a line without contexts before it")
+        items = tuple(self._item(line, text) for text in reversed(left.split()))
+        after = self._item(line, right.strip()) if right.strip() else None
+        rules.append(Rule(items, after, self._pronunciation(line, phones)))
+        self._lines[word] = line
+
+    def finished(self) -> dict[str, tuple[Rule, ...]]:
+        """The rules of every word."""
+        for word, rules in self._rules.items():
+            if rules[-1].left or rules[-1].right:
+                raise DataError(self._path, self._lines[word], f"the last line of {word} has a context")
+        return {word: tuple(rules) for word, rules in self._rules.items()}
+
+    def _members(self, line: int, text: str) -> set[str]:
+        if text in self._classes:
+            return self._classes[text]
+        if text != text.lower() or text == "*" or EDGE in text[1:] or "*" in text[1:]:
+            raise DataError(self._path, line, f"neither a word, an ending nor a class: {text}")
+        return {text}
+
+    def _item(self, line: int, text: str) -> Item:
+        if text not in self._items:
+            members = self._members(line, text)
+            endings = tuple(sorted(member[1:] for member in members if member[0] == "*"))
+            self._items[text] = Item(frozenset(m for m in members if m[0] != "*"), endings)
+        return self._items[text]
+
+    def _pronunciation(self, line: int, text: str) -> Tokens:
+        if text not in self._tokens:
+            tokens = tuple(text.split())
+            if not tokens or not all(map(self._is_phone, tokens)):
+                raise DataError(self._path, line, f"not phones with vowels stressed 0, 1 or 2: {text!r}")
+            self._tokens[text] = tokens
+        return self._tokens[text]
+
+    def _is_phone(self, token: str) -> bool:
+        stressed = token[-1] in "012"
+        phone = self._phones.get(token[:-1] if stressed else token)
+        return phone is not None and phone.kind != "silence" and (phone.kind == "vowel") == stressed
