@@ -47,86 +47,92 @@ class Rule(NamedTuple):
 class Homographs:
     """Chooses pronunciations."""
 
-    def __init__(self, rules: Mapping[str, tuple[Rule, ...]]) -> None:
-        self._rules = rules
-        self._looking = frozenset(word for word, own in rules.items() if any(rule.right for rule in own))
-
-    @classmethod
-    def read(cls, path: str) -> Homographs:
-        """A table of `tts/data`. Raises DataError with the line for one that is wrong."""
-        table = _Table(path)
+    def __init__(self, path: str) -> None:
+        """Reads a table of `tts/data`; the lines of a word are made ready when it is first met. Raises
+        DataError with the line for one that is wrong, as far as it has been made ready."""
+        self._path = path
+        self._table = table = _Table(path)
+        self._lines: dict[str, list[tuple[int, list[str]]]] = {}
         for line, fields in read_rows(path, 4):
-            if fields[0].startswith(CLASS):
-                table.add_class(line, fields[0].split()[1:])
+            if not fields[0].startswith(CLASS):
+                self._lines.setdefault(fields[1], []).append((line, fields))
+            elif self._lines:
+                raise DataError(path, line, "classes come before all rules")
             else:
-                table.add_rule(line, fields)
-        return cls(table.finished())
+                table.add_class(line, fields[0].split()[1:])
+        self._rules: dict[str, tuple[Rule, ...]] = {}
+
+    def warm(self) -> None:
+        """Every word. Raises DataError."""
+        for word in self._lines:
+            self._of(word)
 
     def __contains__(self, word: object) -> bool:
-        return word in self._rules
+        return word in self._lines
 
     @property
     def words(self) -> Mapping[str, tuple[Tokens, ...]]:
         """Every homograph and its pronunciations, the usual one last."""
-        return {word: tuple(dict.fromkeys(rule.phones for rule in own)) for word, own in self._rules.items()}
+        return {word: tuple(dict.fromkeys(rule.phones for rule in self._of(word))) for word in self._lines}
 
     def needs_next(self, word: str) -> bool:
         """Whether the word after it, or that there is none, could matter."""
-        return word in self._looking
+        return word in self._lines and any(rule.right for rule in self._of(word))
 
     def choose(self, before: Sequence[str], word: str, after: str | None) -> Tokens | None:
         """How a word sounds after the words before it, nearest last, and before the next, None at the
         phrase's end; None if it is no homograph."""
-        rules = self._rules.get(word)
-        if rules is None:
+        if word not in self._lines:
             return None
         near = before[-1] if before else EDGE
         far = before[-2] if len(before) > 1 else EDGE
         following = EDGE if after is None else after
-        return next(rule.phones for rule in rules if rule.fits(near, far, following))
+        return next(rule.phones for rule in self._of(word) if rule.fits(near, far, following))
+
+    def _of(self, word: str) -> tuple[Rule, ...]:
+        if word not in self._rules:
+            self._rules[word] = self._table.rules(word, self._lines[word])
+        return self._rules[word]
 
 
 class _Table:
-    """What has been read of a table so far."""
+    """How the fields of a table are understood."""
 
     def __init__(self, path: str) -> None:
         self._path = path
         self._items: dict[str, Item] = {}
         self._classes: dict[str, set[str]] = {}
-        self._rules: dict[str, list[Rule]] = {}
-        self._lines: dict[str, int] = {}
         self._phones = phone_set("en")
-        self._tokens: dict[str, Tokens] = {}
 
     def add_class(self, line: int, names: list[str]) -> None:
         """A class, or more of it; the classes named in it are those read before."""
-        if len(names) < 2 or not names[0].isupper() or self._rules:
-            raise DataError(self._path, line, "a class has a name in capitals and words, before all rules")
+        if len(names) < 2 or not names[0].isupper():
+            raise DataError(self._path, line, "a class has a name in capitals and words")
         members = self._classes.setdefault(names[0], set())
         for text in names[1:]:
             members |= self._members(line, text)
 
-    def add_rule(self, line: int, fields: list[str]) -> None:
-        """A line of the word in the second field."""
-        left, word, right, phones = fields
-        rules = self._rules.setdefault(word, [])
+    def rules(self, word: str, lines: Sequence[tuple[int, list[str]]]) -> tuple[Rule, ...]:
+        """The rules of a word, in order; the last has no contexts, and no other."""
         if not word or word != word.lower() or len(word.split()) != 1:
-            raise DataError(self._path, line, f"not a lower-case word: {word!r}")
+            raise DataError(self._path, lines[0][0], f"not a lower-case word: {word!r}")
+        rules = [self._rule(line, fields) for line, fields in lines]
+        for (line, _), above in zip(lines[1:], rules, strict=False):
+            if not (above.left or above.right):
+                raise DataError(
+                    self._path, line, f"never reached: a line of {word} without contexts is above"
+                )
+        if rules[-1].left or rules[-1].right:
+            raise DataError(self._path, lines[-1][0], f"the last line of {word} has a context")
+        return tuple(rules)
+
+    def _rule(self, line: int, fields: Sequence[str]) -> Rule:
+        left, _, right, phones = fields
         if len(left.split()) > LEFT or len(right.split()) > 1:
             raise DataError(self._path, line, f"more than {LEFT} items on the left or one on the right")
-        if rules and not (rules[-1].left or rules[-1].right):
-            raise DataError(self._path, line, f"never reached: {word} has a line without contexts before it")
         items = tuple(self._item(line, text) for text in reversed(left.split()))
         after = self._item(line, right.strip()) if right.strip() else None
-        rules.append(Rule(items, after, self._pronunciation(line, phones)))
-        self._lines[word] = line
-
-    def finished(self) -> dict[str, tuple[Rule, ...]]:
-        """The rules of every word."""
-        for word, rules in self._rules.items():
-            if rules[-1].left or rules[-1].right:
-                raise DataError(self._path, self._lines[word], f"the last line of {word} has a context")
-        return {word: tuple(rules) for word, rules in self._rules.items()}
+        return Rule(items, after, self._pronunciation(line, phones))
 
     def _members(self, line: int, text: str) -> set[str]:
         if text in self._classes:
@@ -143,12 +149,10 @@ class _Table:
         return self._items[text]
 
     def _pronunciation(self, line: int, text: str) -> Tokens:
-        if text not in self._tokens:
-            tokens = tuple(text.split())
-            if not tokens or not all(map(self._is_phone, tokens)):
-                raise DataError(self._path, line, f"not phones with vowels stressed 0, 1 or 2: {text!r}")
-            self._tokens[text] = tokens
-        return self._tokens[text]
+        tokens = tuple(text.split())
+        if not tokens or not all(map(self._is_phone, tokens)):
+            raise DataError(self._path, line, f"not phones with vowels stressed 0, 1 or 2: {text!r}")
+        return tokens
 
     def _is_phone(self, token: str) -> bool:
         stressed = token[-1] in "012"

@@ -16,7 +16,7 @@ from fapstream.tts.homographs import Homographs
 from fapstream.tts.tables import read_rows
 
 PATH = "en/homographs.tsv"
-FOUND = Homographs.read(PATH)
+FOUND = Homographs(PATH)
 CASES = [
     line.split("\t")
     for line in (Path(__file__).parent / "cases" / "homographs.tsv").read_text("utf-8").splitlines()
@@ -49,7 +49,7 @@ def written(text: str, monkeypatch: pytest.MonkeyPatch) -> Homographs:
         return [(n, (line.split("\t") + [""] * columns)[:columns]) for n, line in lines]
 
     monkeypatch.setattr(module, "read_rows", rows)
-    return Homographs.read("made up")
+    return Homographs("made up")
 
 
 def test_what_an_item_can_be(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,7 +96,7 @@ def test_what_an_item_can_be(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_bad_tables(text: str, line: int, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(DataError) as error:
-        written(text, monkeypatch)
+        written(text, monkeypatch).warm()
     assert error.value.line == line
 
 
