@@ -31,9 +31,14 @@ def read(path: Path) -> dict[str, tuple[str, ...]]:
     return entries
 
 
+def tenth(word: str) -> int:
+    """Words are dealt into ten parts by hash; part 0 is never trained on, part 1 chose between variants."""
+    return zlib.crc32(word.encode()) % 10
+
+
 def held_out(word: str) -> bool:
-    """A tenth of all words, chosen by hash, is never trained on."""
-    return zlib.crc32(word.encode()) % 10 == 0
+    """Whether the word is in the tenth that is never trained on."""
+    return tenth(word) == 0
 
 
 def distance(a: Sequence[str], b: Sequence[str]) -> int:

@@ -20,8 +20,13 @@ from train_lts import plain
 
 OUTPUT = Path(__file__).parents[1] / "fapstream/tts/data/en/compounds.tsv"
 MIN_PART = 3
+RECENT = {
+    "first": "body bot chat crypto dash data deep drone fire gas live pay ransom smart spy stable web wind",
+    "last": "bot bots cam cams chain chains coin coins fake fakes fence fences phone phones wall walls",
+}
+"""Parts of words that are younger than CMUdict."""
 HEAD = """; Words that keep their sound in compounds. Columns: `first` or `last` in the compound, the words.
-; Found by tools/find_compounds.py in CMUdict.
+; Found by tools/find_compounds.py in CMUdict; some are younger and were added there.
 """
 
 
@@ -49,9 +54,9 @@ def main() -> None:
                     right[part] += same
     rows = []
     for place in ("first", "last"):
-        kept = sorted(
-            w for (p, w), n in met.items() if p == place and n >= args.least and right[p, w] >= args.share * n
-        )
+        counted = (w for (p, w), n in met.items() if p == place and n >= args.least)
+        kept = [w for w in counted if right[place, w] >= args.share * met[place, w]]
+        kept = sorted({*kept, *(w for w in RECENT[place].split() if w in words)})
         rows.append(f"{place}\t{' '.join(kept)}")
         print(f"{place}: {len(kept)} words")
     args.output.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")

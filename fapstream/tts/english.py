@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, cached_property
+from typing import TYPE_CHECKING
 
 from fapstream.tts.homographs import Homographs
 from fapstream.tts.lexicon import Lexicon
-from fapstream.tts.lts import LetterToSound
 from fapstream.tts.stems import Stems
 from fapstream.tts.tables import read_bytes, read_rows
+
+if TYPE_CHECKING:
+    from fapstream.tts.lts import LetterToSound
 
 Tokens = tuple[str, ...]
 """Phones; a vowel carries its stress digit, as in `i1`."""
@@ -22,7 +25,7 @@ class English:
         """Reads the lexicon; the trees are read when a word is in no other way known. Raises DataError."""
         self._lexicon = Lexicon(read_bytes("en/lexicon.bin"))
         self._stems = Stems(self._lexicon.get)
-        self._homographs = Homographs.read("en/homographs.tsv")
+        self._homographs = Homographs("en/homographs.tsv")
         self._letters = {row[0].upper(): tuple(row[1].split()) for _, row in read_rows("en/letters.tsv", 2)}
         rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
         self._weak = {row[0]: tuple(row[1].split()) for row in rows if row[1]}
@@ -30,11 +33,14 @@ class English:
 
     @cached_property
     def _trees(self) -> LetterToSound:
+        from fapstream.tts.lts import LetterToSound  # and numpy with it, which most texts do without
+
         return LetterToSound(read_bytes("en/lts.bin"))
 
     def warm(self) -> None:
         """Makes everything ready that else is when it is first met: rare letters, the trees."""
         self._lexicon.warm()
+        self._homographs.warm()
         self._trees("a")
 
     def is_word(self, word: str) -> bool:

@@ -11,6 +11,7 @@ marks a leaf.
 from __future__ import annotations
 
 from array import array
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,15 +40,21 @@ class Forest:
         at += 4 * (26 * k + 3)
         self._feature = data[at : at + n]
         feature = np.frombuffer(self._feature, np.uint8)
-        inner, leaves = np.flatnonzero(feature != LEAF), np.flatnonzero(feature == LEAF)
-        values = np.frombuffer(data, np.uint8, len(inner), at + n)
+        inner, at = np.flatnonzero(feature != LEAF).astype(np.uint32), at + n
         value = np.zeros(n, np.uint8)
-        value[inner[np.argsort(feature[inner], kind="stable")]] = values
-        at += n + len(inner)
-        otherwise = second_branches(feature)
-        otherwise[leaves] = np.frombuffer(data, "<u2", len(leaves), at)
-        at += 2 * len(leaves)
-        self._value, self._otherwise = value.tobytes(), array("I", otherwise.tobytes())
+        value[inner[np.argsort(feature[inner], kind="stable")]] = np.frombuffer(
+            data, np.uint8, len(inner), at
+        )
+        at += len(inner)
+        otherwise = np.empty(n, np.uint32)
+        for root, end in pairwise([*roots, n]):
+            otherwise[root:end] = second_branches(feature[root:end]) + np.uint32(root)
+        leaves = feature == LEAF
+        count = np.count_nonzero(leaves)
+        otherwise[leaves] = np.frombuffer(data, "<u2", count, at)
+        at += 2 * count
+        self._value, self._otherwise = value.tobytes(), array("I")
+        self._otherwise.frombytes(otherwise.view(np.uint8).data)
         self._choice = data[at : at + CHOICES * d]
         self._weight = data[at + CHOICES * d : at + 2 * CHOICES * d]
         self._leaves: list[Votes | None] = [None] * d

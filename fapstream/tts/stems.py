@@ -1,4 +1,9 @@
-"""English words from the words they are made of: endings, beginnings, compounds."""
+"""English words from the words they are made of: endings and compounds.
+
+Which there are was counted on words of CMUdict that neither the lexicon nor the trees were shown: what the
+trees, which see the same letters, read as well by themselves is not here (-able, -ier, un-, re-, and any two
+words written as one).
+"""
 
 from __future__ import annotations
 
@@ -13,10 +18,10 @@ LookUp = Callable[[str], Tokens | None]
 
 SIBILANT = frozenset(("s", "z", "S", "Z", "tS", "dZ"))
 VOICELESS = frozenset(("p", "t", "k", "f", "T", "s", "S", "tS"))
-MIN_STEM, MIN_REST, MIN_PART = 3, 4, 3
-"""Letters that a stem, what follows a beginning, and a part of a compound have at least."""
-LONG_PART = 5
-"""Two words of so many letters each are taken for a compound whatever they are."""
+MIN_STEM, MIN_PART = 3, 3
+"""Letters that a stem and a part of a compound have at least."""
+PARTNER = 4
+"""Letters that the second word of a compound has at least if it is only the first that is known."""
 MAX_WORD = 40
 """Longer words are not looked at."""
 
@@ -49,12 +54,9 @@ class Stems:
             self._endings.setdefault(ending[-1], []).append((ending, tuple(instead.split()), phones))
         compounds = read_pairs("en/compounds.tsv")
         self._first, self._last = (frozenset(compounds[place].split()) for place in ("first", "last"))
-        self._beginnings = {
-            beginning: tuple(phones.split()) for beginning, phones in read_pairs("en/beginnings.tsv").items()
-        }
 
     def inflected(self, word: str) -> Tokens | None:
-        """A known stem and an ending, a possessive, or a beginning and a known word."""
+        """A known stem and an ending, or a possessive."""
         if len(word) > MAX_WORD:
             return None
         if word.endswith("'s"):
@@ -62,7 +64,7 @@ class Stems:
             return plural(stem) if stem else None
         if word.endswith("s'"):
             return self._look_up(word[:-1]) or self.inflected(word[:-1])
-        return self._ending(word) or self._beginning(word)
+        return self._ending(word)
 
     def _ending(self, word: str) -> Tokens | None:
         for ending, instead, phones in self._endings.get(word[-1:], ()):
@@ -85,26 +87,20 @@ class Stems:
     def _joined(self, stem: Tokens, phones: str) -> Tokens:
         if phones == "PLURAL":
             return plural(stem)
+        if phones == "LY":
+            return (*stem, "i0") if stem[-1] == "l" else (*stem, "l", "i0")
         return past(stem) if phones == "PAST" else (*stem, *phones.split())
 
-    def _beginning(self, word: str) -> Tokens | None:
-        for size in range(2, min(8, len(word) - MIN_REST + 1)):
-            phones = self._beginnings.get(word[:size])
-            if phones:
-                rest = self._look_up(word[size:]) or self._ending(word[size:])
-                if rest:
-                    return phones + rest
-        return None
-
     def compound(self, word: str) -> Tokens | None:
-        """Two words of the lexicon written as one, if one of them is known to keep its sound in compounds or
-        both are long; the second keeps a secondary stress."""
+        """Two words of the lexicon written as one, of which one is known to keep its sound in compounds; the
+        second keeps a secondary stress."""
         n = len(word)
         if n > MAX_WORD:
             return None
         for cut in sorted(range(MIN_PART, n - MIN_PART + 1), key=lambda cut: abs(2 * cut - n)):
             one, two = word[:cut], word[cut:]
-            if one in self._first or two in self._last or LONG_PART <= cut <= n - LONG_PART:
+            begins, ends = one in self._first, two in self._last
+            if ends or (begins and n - cut >= PARTNER):
                 first = self._look_up(one)
                 second = self._look_up(two) if first else None
                 if first and second:

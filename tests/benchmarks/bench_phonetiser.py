@@ -41,10 +41,15 @@ from fapstream.tts import FrontEnd
 front = FrontEnd({lang!r})
 front.feed({word!r}); front.end()
 ready = time.perf_counter() - begin
-{lexicon}
+{then}
 print(ready, rss() - before)
 """
-LEXICON = "from fapstream.tts.english import English; at = rss(); own = English(); own.warm(); before = at"
+OWN = "from fapstream.tts.english import English; import numpy; before = rss(); own = English(); "
+MEMORY = {
+    "lexicon_mb": OWN + "own.lexicon_words()",
+    "trees_mb": OWN + "own.lexicon_words(); before = rss(); own.warm()",
+}
+"""What is done between two looks at the memory: the lexicon with every word ready, then the trees."""
 
 
 def text(lang: str) -> str:
@@ -96,15 +101,16 @@ def speed(runs: int) -> dict[str, float]:
 
 
 def start_up(runs: int) -> dict[str, float]:
-    """Milliseconds from `import` to the first phones, and what the English lexicon and trees take in
-    memory."""
+    """Milliseconds from `import` to the first phones, and what the English lexicon and its trees
+    take in memory."""
     out: dict[str, float] = {}
     for lang, word in (("en", "Hello."), ("el", "Γεια.")):
-        code = READY.format(lang=lang, word=word, lexicon="")
+        code = READY.format(lang=lang, word=word, then="")
         rows = [_run(code) for _ in range(runs)]
         out[f"{lang}_start_ms"] = round(1000 * statistics.median(r[0] for r in rows), 1)
-    code = READY.format(lang="el", word="Γεια.", lexicon=LEXICON)
-    out["lexicon_mb"] = round(statistics.median(_run(code)[1] for _ in range(3)) / 1e6, 1)
+    for name, then in MEMORY.items():
+        code = READY.format(lang="el", word="Γεια.", then=then)
+        out[name] = round(statistics.median(_run(code)[1] for _ in range(3)) / 1e6, 1)
     return out
 
 
