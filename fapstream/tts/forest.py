@@ -50,7 +50,7 @@ class Forest:
         for root, end in pairwise([*roots, n]):
             otherwise[root:end] = second_branches(feature[root:end]) + np.uint32(root)
         leaves = feature == LEAF
-        count = np.count_nonzero(leaves)
+        count = int(np.count_nonzero(leaves))
         otherwise[leaves] = np.frombuffer(data, "<u2", count, at)
         at += 2 * count
         self._value, self._otherwise = value.tobytes(), array("I")
