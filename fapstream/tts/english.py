@@ -24,7 +24,8 @@ class English:
     def __init__(self) -> None:
         """Reads the lexicon; the trees are read when a word is in no other way known. Raises DataError."""
         self._lexicon = Lexicon(read_bytes("en/lexicon.bin"))
-        self._stems = Stems(self._lexicon.get)
+        self._recent = {row[0]: tuple(row[1].split()) for _, row in read_rows("en/recent.tsv", 2)}
+        self._stems = Stems(self._known)
         self._homographs = Homographs("en/homographs.tsv")
         self._letters = {row[0].upper(): tuple(row[1].split()) for _, row in read_rows("en/letters.tsv", 2)}
         rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
@@ -45,7 +46,7 @@ class English:
 
     def is_word(self, word: str) -> bool:
         """Whether the lexicon has it."""
-        return word in self._lexicon
+        return word in self._lexicon or word in self._recent
 
     def lexicon_words(self) -> list[str]:
         """Every word of the lexicon, for tools and tests."""
@@ -80,7 +81,7 @@ class English:
     def _found(self, word: str) -> tuple[Tokens, str]:
         if tokens := self._letters.get(word):
             return tokens, "letter"
-        if tokens := self._lexicon.get(word):
+        if tokens := self._known(word):
             return tokens, "lexicon"
         if tokens := self._stems.inflected(word):
             return tokens, "stem"
@@ -88,6 +89,9 @@ class English:
             return tokens, "compound"
         letters = "".join(c for c in word.lower() if "a" <= c <= "z")
         return self._trees(letters) if letters else (), "tree"
+
+    def _known(self, word: str) -> Tokens | None:
+        return self._lexicon.get(word) or self._recent.get(word)
 
     def guess(self, word: str) -> Tokens:
         """What the trees alone make of a word of letters a-z, as if no lexicon had it."""

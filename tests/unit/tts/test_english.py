@@ -60,3 +60,20 @@ def test_the_tables_name_phones_of_the_language() -> None:
     for token in " ".join(written).split():
         name = token[:-1] if token[-1].isdigit() else token
         assert (phones[name].kind == "vowel") == token[-1].isdigit(), token
+
+
+def test_words_of_the_news_that_cmudict_lacks() -> None:
+    """Every one of the table, in phones that there are, once, and not one that the lexicon has already."""
+    phones, lexicon = phone_set("en"), set(english().lexicon_words())
+    rows = [row for _, row in read_rows("en/recent.tsv", 2)]
+    assert [word for word, _ in rows] == sorted({word for word, _ in rows} - lexicon)
+    for word, spoken in rows:
+        for token in spoken.split():
+            name = token.rstrip("012")
+            assert (phones[name].kind == "vowel") == (name != token), word
+        assert sum(token.endswith("1") for token in spoken.split()) == 1, word
+    assert english().word("covid") == ("k", "@U1", "v", "I0", "d")
+    assert english().path("covid") == "lexicon"
+    assert english().word("houthis") == ("h", "u1", "T", "i0", "z")
+    assert english().word("kyiv's")[-2:] == ("v", "z")
+    assert english().is_word("covid")

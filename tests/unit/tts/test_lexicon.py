@@ -30,7 +30,7 @@ def test_too_many_tokens() -> None:
         pack({"word": [f"t{i}" for i in range(300)]})
 
 
-@pytest.mark.parametrize("data", [b"", b"junk", b"FLX3junk"])
+@pytest.mark.parametrize("data", [b"", b"junk", b"FLX4junk"])
 def test_a_broken_file(data: bytes) -> None:
     with pytest.raises(DataError):
         Lexicon(data)
