@@ -53,7 +53,16 @@ PIECES = st.sampled_from(
         "word " * 15,
     ]
 )
-TEXT = st.lists(PIECES | st.text(max_size=8), max_size=60).map(" ".join) | st.text(max_size=300)
+LONG = st.lists(
+    st.sampled_from(
+        "the a to of and record read lives has she 12 5% Dr. May 3 is polish reached των τον πατέρα με μια ως "
+        "1.500 άνδρες κι εκείνη zorb".split()
+    ),
+    min_size=25,
+    max_size=90,
+).map(" ".join)
+"""Phrases longer than is waited for."""
+TEXT = st.lists(PIECES | st.text(max_size=8), max_size=60).map(" ".join) | st.text(max_size=300) | LONG
 CUTS = st.lists(st.integers(0, 600), max_size=12)
 LOOK_AHEAD = st.sampled_from([0, 1, 2, 5, PHRASE])
 LANG = st.sampled_from(["en", "el"])
