@@ -30,6 +30,7 @@ _STARTER = re.compile(r"(?:[^\W\d_]|\.(?=[^\W\d_]))+[.$']?")
 _PRIMES = dict.fromkeys("’΄´ʹ᾽′", "'")
 """Signs that stand for the one after a Greek numeral, or for what an elided word has lost."""
 _POSSESSIVE = re.compile(r"['’]s(?!\w)")
+_AFTER_WORD = re.compile(r"\W+$")
 _SUBSCRIPTS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 MAX_GROUP = 8
 """Tokens that may be read together."""
@@ -82,9 +83,8 @@ class Normaliser:
             for form in classes.get(name, ()):
                 for key in (form, form + "'s", form + "’s") if form[0].isalpha() else form[:1]:
                     self._starters[key] = tuple(dict.fromkeys((*self._starters.get(key, ()), name)))
-        edges = "'’" + "".join(_PRIMES) + ".$"
         keys = (*self._starters, *self._abbreviations)
-        self._special = frozenset(keys) | {key.rstrip(edges) for key in keys}
+        self._special = frozenset(keys) | {_AFTER_WORD.sub("", key) for key in keys if not key.isalpha()}
         """Words that by themselves or with a sign after them are more than their letters."""
         going_on = [form.lower() for name in patterns.going_on for form in classes[name]]
         self._going_on = frozenset(part for form in going_on for part in form.split())
