@@ -9,20 +9,16 @@ from functools import cache
 
 from fapstream.records import Spoken
 from fapstream.tts.english import english
-from fapstream.tts.greek_readers import GreekReaders
 from fapstream.tts.normalise import Normaliser
 from fapstream.tts.numerals import Numerals
 from fapstream.tts.patterns import Found, Patterns, Vocabulary
-from fapstream.tts.pronounce import Pronouncer
+from fapstream.tts.pronounce import Pronouncer, phonetiser
 from fapstream.tts.prosody import question_words
 from fapstream.tts.readers import Readers
 from fapstream.tts.say_as import SayAs
 from fapstream.tts.segment import Segmenter
 from fapstream.tts.spelling import Speller
 from fapstream.tts.tables import read_rows, require_language
-
-_READERS: dict[str, type[Readers]] = {"el": GreekReaders}
-"""Languages whose numbers agree with the words around them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +42,7 @@ class Language:
     def warm(self) -> None:
         """Everything that would otherwise be made ready when it is first met. Raises DataError."""
         self.normalise.warm()
+        phonetiser(self.name)
         english().warm()
 
     def is_weak(self, word: Spoken, written: str) -> bool:
@@ -66,7 +63,7 @@ def language(name: str) -> Language:
     known = {form: entry.one.split() for form, entry in vocabulary.known.items()}
     speller = Speller(_is_english_word, known)
     numerals = Numerals(name)
-    readers = _READERS.get(name, Readers)(numerals, vocabulary, speller.words).table()
+    readers = _readers(name)(numerals, vocabulary, speller.words).table()
     patterns = Patterns(f"{name}/patterns.tsv", vocabulary, readers)
     normalise = Normaliser(vocabulary, patterns, speller)
     segmenter = Segmenter(name, vocabulary.ends)
@@ -89,6 +86,15 @@ def language(name: str) -> Language:
         numerals=frozenset(numerals.units),
         openings=frozenset(vocabulary.classes.get("opening", ())),
     )
+
+
+def _readers(lang: str) -> type[Readers]:
+    """Those of a language whose numbers agree with the words around them are its own."""
+    if lang != "el":
+        return Readers
+    from fapstream.tts.greek_readers import GreekReaders  # English text need not wait for it
+
+    return GreekReaders
 
 
 def _sigma(word: str) -> str:

@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from fapstream.records import Spoken
-from fapstream.tts.english import english
-from fapstream.tts.greek import greek
+from fapstream.tts.english import English, english
 from fapstream.tts.tables import phone_set, read_pairs, require_language
+
+if TYPE_CHECKING:
+    from fapstream.tts.greek import Greek
 
 Tokens = tuple[str, ...]
 
@@ -24,6 +27,15 @@ def script(word: Spoken) -> str:
     if isinstance(word, tuple):
         return ""
     return "en" if word[:1].isascii() else "el"
+
+
+def phonetiser(lang: str) -> English | Greek:
+    """What reads the words of a language; it is loaded when the first of them comes."""
+    if lang == "en":
+        return english()
+    from fapstream.tts.greek import greek
+
+    return greek()
 
 
 class Pronouncer:
@@ -49,7 +61,7 @@ class Pronouncer:
                 found += [word for word in run if isinstance(word, tuple)]
                 continue
             texts = [word for word in run if isinstance(word, str)]
-            phones = (english() if lang == "en" else greek()).phones(texts)
+            phones = phonetiser(lang).phones(texts)
             found += phones if lang == self._lang else [self._mapped(tokens) for tokens in phones]
         return found[first:] if first else found
 
@@ -57,13 +69,13 @@ class Pronouncer:
         """Whether the word after it, or that there is none, could change its phones."""
         if isinstance(word, tuple):
             return False
-        return english().needs_next(word) if script(word) == "en" else greek().needs_next(word)
+        return phonetiser(script(word)).needs_next(word)
 
     def path(self, word: Spoken) -> str:
         """Where its phones come from: user, lexicon, rule, tree and so on."""
         if isinstance(word, tuple):
             return "user"
-        return english().path(word) if script(word) == "en" else greek().path(word)
+        return phonetiser(script(word)).path(word)
 
     def _mapped(self, tokens: Tokens) -> Tokens:
         out: list[str] = []
