@@ -154,7 +154,8 @@ def main() -> None:
     args = parser.parse_args()
     figures = measure(args)
     if args.json:
-        print(json.dumps(figures))
+        written = json.dumps(figures)
+        print(json.dumps(json.loads(written, parse_constant=lambda nan: None)))  # JSON has no NaN
         return
     for name, value in figures.items():
         show(name, value)
