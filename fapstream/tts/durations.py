@@ -10,7 +10,7 @@ are data, one set a language (`data/prosody.toml`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from fapstream.tts.sounds import Sound, onsets
@@ -27,46 +27,61 @@ class DurationModel:
         f = factors
         self._onsets = onsets(lang)
         vowel = f["vowel"]
-        by_stress = (vowel["unstressed"], vowel["stressed"], vowel["secondary"])
-        self._stress = (by_stress, tuple(v * f["function_word"] for v in by_stress))
-        self._syllables = [
-            max(1.0 - f["polysyllabic"] * (n - 1), f["polysyllabic_floor"])
-            for n in range(MAX_COUNTED_SYLLABLES + 1)
+        by_stress: list[float] = [vowel["unstressed"], vowel["stressed"], vowel["secondary"]]
+        function: float = f["function_word"]
+        self._vowel = by_stress
+        self._vowel_in_function_word = [v * function for v in by_stress]
+        less, floor = f["polysyllabic"], f["polysyllabic_floor"]
+        self._syllables: list[float] = [
+            max(1.0 - less * (n - 1), floor) for n in range(MAX_COUNTED_SYLLABLES + 1)
         ]
-        self._consonant = (f["consonant"] * f["consonant_unstressed"], f["consonant"])
-        self._coda, self._cluster, self._initial = f["coda"], f["cluster"], f["word_initial"]
-        self._last_vowel = (f["word_final"], f["final_vowel"])
-        self._final = (f["final_consonant"], f["prefinal"])
-        self._before_voiceless, self._before_fricative = f["before_voiceless"], f["before_voiced_fricative"]
+        self._consonant: float = f["consonant"]
+        self._unstressed: float = f["consonant_unstressed"]
+        self._coda: float = f["coda"]
+        self._cluster: float = f["cluster"]
+        self._initial: float = f["word_initial"]
+        self._word_final: float = f["word_final"]
+        self._final_vowel: float = f["final_vowel"]
+        self._final_consonant: float = f["final_consonant"]
+        self._prefinal: float = f["prefinal"]
+        self._before_voiceless: float = f["before_voiceless"]
+        self._before_fricative: float = f["before_voiced_fricative"]
 
-    def word(self, sounds: Sequence[Sound], n_vowels: int, function: bool, final: bool) -> list[float]:
+    def word(self, sounds: list[Sound], n_vowels: int, function: bool, final: bool) -> list[float]:
         """Milliseconds at rate 1, one per phone. `final`: a pause follows the word."""
-        by_stress, by_next, cluster = self._stress[function], self._consonant, self._cluster
+        vowel = self._vowel_in_function_word if function else self._vowel
         shortened = self._syllables[min(n_vowels, MAX_COUNTED_SYLLABLES)]
+        cluster = self._cluster
         stress, vowels, onset = 0, 0, False
         following: Sound | None = None
         ms: list[float] = []
         for i in range(len(sounds) - 1, -1, -1):
             sound = sounds[i]
-            clustered = following is not None and not following.vowel
             if sound.vowel:
                 stress, onset = sound.stress, True
-                factor = by_stress[stress] * shortened
-                if clustered and following:
+                factor = vowel[stress] * shortened
+                if following is not None and not following.vowel:
                     factor *= self._before(following)
                 if not vowels and (final or n_vowels > 1):
-                    factor *= self._last_vowel[final]
+                    factor *= self._final_vowel if final else self._word_final
                 vowels += 1
             else:
-                factor = by_next[stress == 1]
-                if clustered and following:
+                factor = self._consonant
+                if stress != 1:
+                    factor *= self._unstressed
+                if following is not None and not following.vowel:
                     factor *= cluster
                     onset = onset and (sound.name, following.name) in self._onsets
                 if not onset:
                     factor *= self._coda
-                if final and vowels < 2 and (onset or not vowels):
-                    factor *= self._final[vowels]
-                factor *= cluster if i and not sounds[i - 1].vowel else 1.0 if i else self._initial
+                if final and not vowels:
+                    factor *= self._final_consonant
+                elif final and vowels == 1 and onset:
+                    factor *= self._prefinal
+                if not i:
+                    factor *= self._initial
+                elif not sounds[i - 1].vowel:
+                    factor *= cluster
             length = sound.min_ms + sound.span_ms * factor
             ms.append(length if length > sound.least_ms else sound.least_ms)
             following = sound
@@ -76,5 +91,5 @@ class DurationModel:
     def _before(self, consonant: Sound) -> float:
         """What a consonant does to the vowel before it (Klatt's rule 9)."""
         if not consonant.voiced:
-            return float(self._before_voiceless)
-        return float(self._before_fricative) if consonant.kind == "fricative" else 1.0
+            return self._before_voiceless
+        return self._before_fricative if consonant.kind == "fricative" else 1.0

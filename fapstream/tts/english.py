@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache, cached_property
+from functools import cache
 from typing import TYPE_CHECKING
 
 from fapstream.tts.homographs import Homographs
@@ -27,22 +26,17 @@ class English:
         self._recent = {row[0]: tuple(row[1].split()) for _, row in read_rows("en/recent.tsv", 2)}
         self._stems = Stems(self._known)
         self._homographs = Homographs("en/homographs.tsv")
+        self._trees: LetterToSound | None = None
         self._letters = {row[0].upper(): tuple(row[1].split()) for _, row in read_rows("en/letters.tsv", 2)}
         rows = [row for _, row in read_rows("en/function_words.tsv", 4)]
         self._weak = {row[0]: tuple(row[1].split()) for row in rows if row[1]}
         self._before_vowel = {row[0]: tuple(row[3].split()) for row in rows if row[3]}
 
-    @cached_property
-    def _trees(self) -> LetterToSound:
-        from fapstream.tts.lts import LetterToSound  # and numpy with it, which most texts do without
-
-        return LetterToSound(read_bytes("en/lts.bin"))
-
     def warm(self) -> None:
         """Makes everything ready that else is when it is first met: rare letters, the trees."""
         self._lexicon.warm()
         self._homographs.warm()
-        self._trees("a")
+        self.guess("a")
 
     def is_word(self, word: str) -> bool:
         """Whether the lexicon has it."""
@@ -52,18 +46,22 @@ class English:
         """Every word of the lexicon, for tools and tests."""
         return self._lexicon.words()
 
-    def phones(self, words: Sequence[str]) -> list[Tokens]:
+    def phones(self, words: list[str]) -> list[Tokens]:
         """The phones of each word of a phrase: all but the last may be weak forms."""
-        found = [self._weak.get(word) or self.word(word) for word in words]
+        found: list[Tokens] = []
+        last = len(words) - 1
         for i, word in enumerate(words):
             if word in self._homographs:
-                after = words[i + 1] if i + 1 < len(words) else None
-                found[i] = self._homographs.choose(words[max(0, i - 2) : i], word, after) or found[i]
-        for i, word in enumerate(words[:-1]):
-            if word in self._before_vowel and found[i + 1] and found[i + 1][0][-1].isdigit():
+                after = words[i + 1] if i < last else None
+                found.append(self._homographs.choose(words[max(0, i - 2) : i], word, after))
+            else:
+                found.append(self._weak.get(word) or self.word(word))
+        for i in range(last):
+            word = words[i]
+            if word in self._before_vowel and _begins_with_vowel(found[i + 1]):
                 found[i] = self._before_vowel[word]
-        if len(words) > 1 and words[-1] not in self._homographs:
-            found[-1] = self.word(words[-1])
+        if last > 0 and words[last] in self._weak and words[last] not in self._homographs:
+            found[last] = self.word(words[last])
         return found
 
     def needs_next(self, word: str) -> bool:
@@ -88,14 +86,22 @@ class English:
         if tokens := self._stems.compound(word):
             return tokens, "compound"
         letters = "".join(c for c in word.lower() if "a" <= c <= "z")
-        return self._trees(letters) if letters else (), "tree"
+        return self.guess(letters) if letters else (), "tree"
 
     def _known(self, word: str) -> Tokens | None:
         return self._lexicon.get(word) or self._recent.get(word)
 
     def guess(self, word: str) -> Tokens:
         """What the trees alone make of a word of letters a-z, as if no lexicon had it."""
+        if self._trees is None:
+            from fapstream.tts.lts import LetterToSound  # and numpy with it, which most texts do without
+
+            self._trees = LetterToSound(read_bytes("en/lts.bin"))
         return self._trees(word)
+
+
+def _begins_with_vowel(tokens: Tokens) -> bool:
+    return bool(tokens) and tokens[0][-1].isdigit()
 
 
 @cache

@@ -40,8 +40,10 @@ class FrontEnd:
         self._tokens: list[Token] = []
         self._undecided = ""
         """A phrase end that the next token decides."""
-        self._spoken: list[tuple[Spoken, Item]] = []
+        self._spoken: list[Spoken] = []
         """Words whose phones wait for the word after them."""
+        self._items: list[Item] = []
+        """Where each of those was read from."""
         self._context: list[Spoken] = []
         """The last LEFT words before those."""
         self._opening: list[Spoken] = []
@@ -90,6 +92,7 @@ class FrontEnd:
         """Forgets the words that are not committed; what is fed next goes on after those that are."""
         self._tokens.clear()
         self._spoken.clear()
+        self._items.clear()
         self._planner.discard()
         self._undecided = ""
 
@@ -129,7 +132,8 @@ class FrontEnd:
             if len(self._tokens) >= MAX_TOKENS:
                 self._advance(False)
         elif stop in UNDECIDED:
-            self._tokens.append(token._replace(stop=""))
+            token.stop = ""
+            self._tokens.append(token)
             self._undecided = stop
         elif token.expression:
             self._close("smiley")
@@ -179,7 +183,10 @@ class FrontEnd:
             taken = normalise.take(tokens, closed or not last, self._before, self._manner.lexicon)
             del self._tokens[: taken.used]
             if taken.items:
-                self._spoken += [(word, item) for item in taken.items for word in item.spoken]
+                for item in taken.items:
+                    for word in item.spoken:
+                        self._spoken.append(word)
+                        self._items.append(item)
                 self._before = taken.items[-1].text
             if taken.used < len(tokens):
                 break
@@ -196,25 +203,25 @@ class FrontEnd:
         return [(lang, list(run)) for lang, run in groupby(tokens, lambda token: token.style.lang)]
 
     def _pronounce(self, closed: bool) -> None:
-        spoken, context, lang = self._spoken, self._context, self._language
-        words = [word for word, _ in spoken]
+        words, items, context, lang = self._spoken, self._items, self._context, self._language
         count = len(words)
         if not closed and lang.pronounce.needs_next(words[-1]):
             count -= 1
         if not count:
             return
         phones = lang.pronounce([*context, *words], len(context))
-        self._opening += words[: 2 - len(self._opening)] if len(self._opening) < 2 else ()
-        table, cut_before = self._sounds, lang.cut_before
+        if len(self._opening) < 2:
+            self._opening += words[: 2 - len(self._opening)]
         planned = []
-        following: list[Item | None] = [item for _, item in spoken[1:]]
-        for (word, item), tokens, after in zip(spoken[:count], phones, [*following, None], strict=False):
-            sounds = [table[token] for token in tokens]
+        for i in range(count):
+            word, item = words[i], items[i]
+            sounds = [self._sounds[token] for token in phones[i]]
             function = lang.is_weak(word, item.text)
-            planned.append(PlannedWord(item, sounds, function, word in cut_before, after is not item))
+            whole = i + 1 == len(items) or items[i + 1] is not item
+            planned.append(PlannedWord(item, sounds, function, word in lang.cut_before, whole))
         self._planner.add(planned, lang.asks_with_word(self._opening))
         self._context = [*context, *words[:count]][-LEFT:]
-        del spoken[:count]
+        del words[:count], items[:count]
 
 
 def _prosody(lang: str, manner: Manner) -> prosodies.Prosody:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from functools import cache
 
 from fapstream.errors import DataError
@@ -33,7 +32,7 @@ class Greek:
         clitics = [row[0].replace("ς", "σ") for _, row in read_rows("el/function_words.tsv", 4)]
         self._clitics = frozenset(clitics) | {word.translate(_NO_TONOS) for word in clitics}
 
-    def phones(self, words: Sequence[str]) -> list[Tokens]:
+    def phones(self, words: list[str]) -> list[Tokens]:
         """The phones of each word of a phrase; a word depends on the one before and the one after it."""
         if not words:
             return []
@@ -42,12 +41,12 @@ class Greek:
         found: list[list[str]] = [[] for _ in words]
         word, end = 0, 1 + len(plain[0])
         tokens, last = found[0], len(plain) - 1
-        for start, _, output in self._rules.apply(text):
-            while start >= end and word < last:
+        for match in self._rules.apply(text):
+            while match.start >= end and word < last:
                 word += 1
                 end += 1 + len(plain[word])
                 tokens = found[word]
-            tokens += self._glide(tokens) if output == _GLIDE else output
+            tokens += self._glide(tokens) if match.output == _GLIDE else match.output
         return [self._stressed(w, tokens) for w, tokens in zip(plain, found, strict=True)]
 
     def path(self, word: str) -> str:

@@ -79,11 +79,9 @@ class Homographs:
         """Whether the word after it, or that there is none, could matter."""
         return word in self._lines and any(rule.right for rule in self._of(word))
 
-    def choose(self, before: Sequence[str], word: str, after: str | None) -> Tokens | None:
-        """How a word sounds after the words before it, nearest last, and before the next, None at the
-        phrase's end; None if it is no homograph."""
-        if word not in self._lines:
-            return None
+    def choose(self, before: Sequence[str], word: str, after: str | None) -> Tokens:
+        """How a homograph sounds after the words before it, nearest last, and before the next, None at the
+        phrase's end."""
         near = before[-1] if before else EDGE
         far = before[-2] if len(before) > 1 else EDGE
         following = EDGE if after is None else after

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fapstream.tts.tables import LANGUAGES
@@ -102,23 +102,18 @@ def styled(style: Style, tag: Tag) -> Style:
     """The style inside an element that stands in text of `style`."""
     given = tag.attributes
     if tag.name == "emphasis":
-        return _with(style, emphasis=EMPHASES[given.get("level", "moderate")])
+        return replace(style, emphasis=EMPHASES[given.get("level", "moderate")])
     if tag.name == "lang":
-        return _with(style, lang=given["lang"][:2].lower())
+        return replace(style, lang=given["lang"][:2].lower())
     if tag.name != "prosody":
         return style
-    return _with(
+    return replace(
         style,
         rate=_bounded(style.rate * (_rate(given.get("rate", "medium")) or 1.0)),
         pitch=_bounded(style.pitch * (_pitch(given.get("pitch", "medium")) or 1.0)),
         range=_bounded(style.range * (_pitch(given.get("range", "medium")) or 1.0)),
         volume=min(style.volume * _number_or(_volume(given.get("volume", "medium")), 1.0), SCALE_LIMITS[1]),
     )
-
-
-def _with(style: Style, **changes: float | str) -> Style:
-    values = {name: getattr(style, name) for name in Style.__slots__} | changes
-    return Style(**values)
 
 
 def _bounded(value: float) -> float:

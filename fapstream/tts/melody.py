@@ -9,8 +9,8 @@ before the phrase's end is known. The final fall follows the paper on the FPD-ba
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from fapstream.tts.sounds import Sound
@@ -42,14 +42,14 @@ class MelodyState:
 
     elapsed_ms: float = 0.0
     accents: int = 0
-    tail: tuple[float, ...] = ()
+    tail: list[float] = field(default_factory=list)
     focus: bool = False
 
     def restart(self, reset: float) -> None:
         """A phrase has ended; the declination starts again as far as `reset` (0..1) says."""
         self.elapsed_ms *= 1.0 - reset
         self.accents = 0
-        self.tail = ()
+        self.tail = []
         self.focus = False
 
 
@@ -59,11 +59,17 @@ class MelodyModel:
     def __init__(self, settings: Mapping[str, float], tunes: Mapping[str, Tune]) -> None:
         """`settings`: the table [melody] of prosody.toml; `tunes`: by the name that a phrase end has."""
         self.tunes = tunes
-        self._top, self._floor, self._decay_ms = settings["top"], settings["floor"], settings["decay_ms"]
-        self._first, self._other = settings["first_accent"], settings["accent"]
-        self._focus, self._after_focus = settings["focus"], settings["after_focus"]
-        self._before, self._rise = settings["before_vowel"], settings["vowel_start"]
-        self._after, self._later = settings["after_vowel"], settings["later"]
+        self._top: float = settings["top"]
+        self._floor: float = settings["floor"]
+        self._decay_ms: float = settings["decay_ms"]
+        self._first: float = settings["first_accent"]
+        self._other: float = settings["accent"]
+        self._focus: float = settings["focus"]
+        self._after_focus: float = settings["after_focus"]
+        self._before: float = settings["before_vowel"]
+        self._rise: float = settings["vowel_start"]
+        self._after: float = settings["after_vowel"]
+        self._later: float = settings["later"]
 
     def height(self, state: MelodyState, tune: Tune | None, last: bool, emphasis: float) -> float:
         """The next accent's height; counts it. `tune`: the phrase's if its end is in sight, and then `last`
@@ -81,28 +87,22 @@ class MelodyModel:
         return height * self._after_focus if state.focus else height
 
     def word(
-        self,
-        ms: Sequence[float],
-        accent: int,
-        height: float,
-        state: MelodyState,
-        register: tuple[float, float],
+        self, ms: list[float], accent: int, height: float, state: MelodyState, register: tuple[float, float]
     ) -> list[Pitch]:
         """The pitch of each phone. `accent`: index of the vowel with the accent of that height, or -1;
         `register`: the voice's middle pitch and the width of its range, Hz."""
         f0, width = register
         above = (self._top - self._floor) * math.exp(-state.elapsed_ms / self._decay_ms)
         line, fall = f0 + width * (self._floor + above), width * above / self._decay_ms
-        starts = []
+        starts: list[float] = []
+        length = 0.0
         for d in ms:
             starts.append(line)
             line -= fall * d
-        n = len(starts)
+            length += d
+        state.elapsed_ms += length
         if state.tail:
-            for i, x in zip(range(n), state.tail, strict=False):
-                starts[i] += width * x
-            state.tail = state.tail[n:]
-        state.elapsed_ms += sum(ms)
+            state.tail = _raised(starts, 0, state.tail, width)
         if accent < 0:
             return [((0.0, hz),) for hz in starts]
         rise = width * height
@@ -110,16 +110,13 @@ class MelodyModel:
         starts[accent] += rise * self._rise
         if accent:
             starts[accent - 1] += rise * self._before
-        after = (self._after * height, self._later * height)
-        for i, x in zip(range(accent + 1, n), after, strict=False):
-            starts[i] += width * x
-        state.tail = after[n - accent - 1 :]
+        state.tail = _raised(starts, accent + 1, [self._after * height, self._later * height], width)
         out: list[Pitch] = [((0.0, hz),) for hz in starts]
-        out[accent] = (*out[accent], (PEAK_PERCENT, peak))
+        out[accent] = ((0.0, starts[accent]), (PEAK_PERCENT, peak))
         return out
 
     def ending(
-        self, sounds: Sequence[Sound], ms: Sequence[float], pitch: list[Pitch], tune: Tune,
+        self, sounds: list[Sound], ms: list[float], pitch: list[Pitch], tune: Tune,
         register: tuple[float, float],
     ) -> None:  # fmt: skip
         """Bends the pitch of a phrase's last word, in place, from its last vowel on, to end as the tune
@@ -137,3 +134,11 @@ class MelodyModel:
             pitch[i] = ((0.0, hz + slope * passed),)
             passed += ms[i]
         pitch[-1] = (*pitch[-1], (100.0, goal))
+
+
+def _raised(starts: list[float], at: int, tail: list[float], width: float) -> list[float]:
+    """Adds what is left of an accent to the phones from `at` on, in place; returns what is left then."""
+    here = len(starts) - at
+    for i, x in enumerate(tail[:here]):
+        starts[at + i] += width * x
+    return tail[here:]

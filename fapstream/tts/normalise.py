@@ -42,19 +42,23 @@ Lexicon = Mapping[str, tuple[Spoken, ...]]
 _NO_LEXICON: Lexicon = {}
 
 
-@dataclass(slots=True)
 class Item:
     """Characters [start, end) of the turn and the words they are read as.
 
     `stop`: the phrase end that is written on it, "" if none (see `Token.stop`).
     """
 
-    text: str
-    start: int
-    end: int
-    spoken: Sequence[Spoken]
-    style: Style = PLAIN
-    stop: str = ""
+    __slots__ = ("end", "spoken", "start", "stop", "style", "text")
+
+    def __init__(
+        self, text: str, start: int, end: int, spoken: Sequence[Spoken], style: Style = PLAIN, stop: str = ""
+    ) -> None:
+        self.text = text
+        self.start = start
+        self.end = end
+        self.spoken = spoken
+        self.style = style
+        self.stop = stop
 
 
 @dataclass(slots=True)

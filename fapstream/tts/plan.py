@@ -42,7 +42,7 @@ class PlannedWord:
 
     __slots__ = ("accent", "cut", "ends", "function", "item", "n_vowels", "sounds", "stressed", "whole")
 
-    def __init__(self, item: Item, sounds: Sequence[Sound], function: bool, cut: bool, whole: bool) -> None:
+    def __init__(self, item: Item, sounds: list[Sound], function: bool, cut: bool, whole: bool) -> None:
         self.item = item
         self.whole = whole
         self.sounds = sounds
@@ -226,7 +226,7 @@ class Planner:
         self._emit(item, sounds, ms, pitch, gain)
 
     def _emit(
-        self, item: Item, sounds: Sequence[Sound], ms: Sequence[float], pitch: Sequence[Pitch], gain: float
+        self, item: Item, sounds: list[Sound], ms: list[float], pitch: list[Pitch], gain: float
     ) -> None:
         if self._silent_so_far:
             self._phones.append(Phone(SILENCE, LEAD_MS))
@@ -236,8 +236,8 @@ class Planner:
             self._said.append(make(Word, (item.text, item.start, item.end, tuple(item.spoken))))
         index = len(self._said) - 1
         new = [
-            make(Phone, (s.name, d, p, s.stress, index, None, gain, (), False))
-            for s, d, p in zip(sounds, ms, pitch, strict=True)
+            make(Phone, (sound.name, ms[i], pitch[i], sound.stress, index, None, gain, (), False))
+            for i, sound in enumerate(sounds)
         ]
         notes = self._notes
         if notes and notes[0].start <= item.start:

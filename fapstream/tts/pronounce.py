@@ -5,8 +5,6 @@ Words come one after the other; a word is pronounced as soon as what follows can
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 from fapstream.records import Spoken
@@ -49,21 +47,35 @@ class Pronouncer:
         self._vowels = frozenset(p.name for p in phone_set(lang).values() if p.kind == "vowel")
         self._nearest = {phone: tuple(near.split()) for phone, near in pairs.items()}
 
-    def __call__(self, words: Sequence[Spoken], first: int = 0) -> list[Tokens]:
+    def __call__(self, words: list[Spoken], first: int = 0) -> list[Tokens]:
         """One tuple of phones for each word of a phrase from the one at `first` on; vowels carry stress
         digits.
 
         LEFT words before `first` are enough to get the same as from the whole phrase.
         """
         found: list[Tokens] = []
-        for lang, run in groupby(words, script):
-            if not lang:
-                found += [word for word in run if isinstance(word, tuple)]
+        run: list[str] = []
+        lang = ""
+        for word in words:
+            if isinstance(word, tuple):
+                found += self._run(run, lang)
+                found.append(word)
+                run = []
                 continue
-            texts = [word for word in run if isinstance(word, str)]
-            phones = phonetiser(lang).phones(texts)
-            found += phones if lang == self._lang else [self._mapped(tokens) for tokens in phones]
+            written = script(word)
+            if written != lang:
+                found += self._run(run, lang)
+                lang, run = written, []
+            run.append(word)
+        found += self._run(run, lang)
         return found[first:] if first else found
+
+    def _run(self, words: list[str], lang: str) -> list[Tokens]:
+        """Words of one language that stand together."""
+        if not words:
+            return []
+        phones = phonetiser(lang).phones(words)
+        return phones if lang == self._lang else [self._mapped(tokens) for tokens in phones]
 
     def needs_next(self, word: Spoken) -> bool:
         """Whether the word after it, or that there is none, could change its phones."""

@@ -15,21 +15,22 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
-from typing import NamedTuple
 
 from fapstream.errors import DataError
-from fapstream.records import make
 from fapstream.tts.tables import read_rows
 
 BOUNDARY = " "
 
 
-class Match(NamedTuple):
+class Match:
     """Symbols [start, end) of the input became `output`."""
 
-    start: int
-    end: int
-    output: tuple[str, ...]
+    __slots__ = ("end", "output", "start")
+
+    def __init__(self, start: int, end: int, output: tuple[str, ...]) -> None:
+        self.start = start
+        self.end = end
+        self.output = output
 
 
 Rule = tuple[str, str, str, str]
@@ -96,7 +97,7 @@ class RuleSet:
             rules = by_symbol.get(text[at])
             if rules and (found := rules[0](text, at)):
                 end = found.end()
-                out.append(make(Match, (at, end, rules[1][(found.lastindex or 1) - 1])))
+                out.append(Match(at, end, rules[1][(found.lastindex or 1) - 1]))
                 at = end
             else:
                 at += 1

@@ -7,7 +7,7 @@ matter.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from fapstream.records import ExpressionName, Spoken, make
@@ -70,7 +70,7 @@ UNDECIDED: Mapping[str, str] = {
 """Phrase ends that the next token decides -> what kind they are if they are one."""
 
 
-class Token(NamedTuple):
+class Token:
     """Text without white space, at code point `start` of the turn, and what it does to the phrase.
 
     `word` is the text when brackets, quotes and marks around it are left out and only letters and apostrophes
@@ -79,15 +79,29 @@ class Token(NamedTuple):
     not it (entities); `said`: the reading that mark-up gives, and then `text` may hold white space.
     """
 
-    text: str
-    start: int
-    word: str = ""
-    stop: str = ""
-    style: Style = PLAIN
-    expression: ExpressionName | None = None
-    silence_ms: float = 0.0
-    raw: str = ""
-    said: tuple[Spoken, ...] | None = None
+    __slots__ = ("expression", "raw", "said", "silence_ms", "start", "stop", "style", "text", "word")
+
+    def __init__(
+        self,
+        text: str,
+        start: int,
+        word: str = "",
+        stop: str = "",
+        style: Style = PLAIN,
+        expression: ExpressionName | None = None,
+        silence_ms: float = 0.0,
+        raw: str = "",
+        said: tuple[Spoken, ...] | None = None,
+    ) -> None:
+        self.text = text
+        self.start = start
+        self.word = word
+        self.stop = stop
+        self.style = style
+        self.expression = expression
+        self.silence_ms = silence_ms
+        self.raw = raw
+        self.said = said
 
 
 class Run(NamedTuple):
@@ -153,7 +167,7 @@ class Scanner:
                 if self._parts or end == n or end - begin > MAX_TOKEN or text[end] == "<":
                     self._grow(found.group(), fed + begin, out)
                 else:
-                    out.append(Run(found.group(), fed + begin))
+                    out.append(make(Run, (found.group(), fed + begin)))
             elif kind == "tag":
                 return self._tags(text, begin, out)
             else:
@@ -231,13 +245,13 @@ class Segmenter:
         self._abbreviations = abbreviations
         self._question = "?;\u037e" if lang == "el" else "?\u037e"
 
-    def tokens(self, run: str, start: int, style: Style = PLAIN) -> Sequence[Token]:
+    def tokens(self, run: str, start: int, style: Style = PLAIN) -> list[Token]:
         """The tokens of one run of characters without white space."""
         if run.isalpha():
-            return (make(Token, (run, start, run, "", style, None, 0.0, "", None)),)
+            return [Token(run, start, run, "", style)]
         if run[-1] in _MARKS and (word := run[:-1]).isalpha():
             stop = self.stop(run) if run[-1] == "." else self._kind(run[-1])
-            return (make(Token, (run, start, word, stop, style, None, 0.0, "", None)),)
+            return [Token(run, start, word, stop, style)]
         return list(self._tokens(run, start, style))
 
     def _tokens(self, run: str, start: int, style: Style) -> Iterator[Token]:
