@@ -80,7 +80,8 @@ async def _say(args: argparse.Namespace) -> None:
         with ExitStack() as stack:
             sound = _sound(turn, stack) if args.play or not files else None
             sink = Sink(args, turn, stack)
-            pipeline = Pipeline(turn, Explained(turn.lang, wished, args.explain), args.seed)
+            make = Explained if args.explain else Pipeline
+            pipeline = make(turn, FrontEnd(turn.lang, wished), args.seed)
             talk = Talk(pipeline, synthesizer, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
             await _run(talk, args.text, sink, sound)
             sink.finish(synthesizer.lines if isinstance(synthesizer, PhoRecorder) else [])
@@ -176,25 +177,24 @@ async def _feed_when_room(talk: Talk, text: str) -> None:
     talk.feed(text)
 
 
-class Explained(FrontEnd):
-    """A front-end that prints what it makes of each word."""
+class Explained(Pipeline):
+    """A pipeline that prints what its front-end makes of each word."""
 
-    def __init__(self, lang: str, wished: Manner, aloud: bool) -> None:
-        super().__init__(lang, wished)
-        self._aloud = aloud
+    def __init__(self, turn: TurnFormat, frontend: FrontEnd, seed: int) -> None:
+        super().__init__(turn, frontend, seed)
+        self._explaining = frontend
 
     def feed(self, text: str) -> list[Utterance]:
-        """See FrontEnd."""
+        """See Pipeline."""
         return self._explained(super().feed(text))
 
     def end(self) -> list[Utterance]:
-        """See FrontEnd."""
+        """See Pipeline."""
         return self._explained(super().end())
 
     def _explained(self, utterances: list[Utterance]) -> list[Utterance]:
-        if self._aloud:
-            for line in lines(described(self, utterances)):
-                print(line, flush=True)
+        for line in lines(described(self._explaining, utterances)):
+            print(line, flush=True)
         return utterances
 
 

@@ -11,11 +11,11 @@ are data, one set a language (`data/prosody.toml`).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from fapstream.tts.sounds import Sound, onsets
 
-MAX_COUNTED_SYLLABLES = 12
+MAX_COUNTED_SYLLABLES: Final = 12
 
 
 class DurationModel:

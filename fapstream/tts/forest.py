@@ -10,20 +10,20 @@ marks a leaf.
 
 from __future__ import annotations
 
-from array import array
 from itertools import pairwise
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-LEAF = 255
-CHOICES = 3
+LEAF: Final = 255
+CHOICES: Final = 3
 """Labels that a leaf may tell apart."""
 
-SURE = 255
+SURE: Final = 255
 """The weight of a label that is as good as certain."""
 
-ENOUGH = 3
+ENOUGH: Final = 3
 """When so many trees are sure of the same label, the others are not asked."""
 
 Votes = list[tuple[int, float]]
@@ -36,7 +36,7 @@ class Forest:
         """Reads the packed forest at `at`; `end` is where it ends."""
         k, n, d = np.frombuffer(data, "<u4", 3, at).tolist()
         roots = np.frombuffer(data, "<u4", 26 * k, at + 12).tolist()
-        self._roots = [roots[letter * k : (letter + 1) * k] for letter in range(26)]
+        self._roots: list[list[int]] = [roots[letter * k : (letter + 1) * k] for letter in range(26)]
         at += 4 * (26 * k + 3)
         self._feature = data[at : at + n]
         feature = np.frombuffer(self._feature, np.uint8)
@@ -46,15 +46,19 @@ class Forest:
             data, np.uint8, len(inner), at
         )
         at += len(inner)
-        otherwise = np.empty(n, np.uint32)
+        step = np.empty(n, np.uint16)
         for root, end in pairwise([*roots, n]):
-            otherwise[root:end] = second_branches(feature[root:end]) + np.uint32(root)
+            if end - root > np.iinfo(np.uint16).max:
+                raise ValueError(f"a tree of {end - root} nodes")
+            step[root:end] = second_branches(feature[root:end]) - np.arange(end - root, dtype=np.uint32)
         leaves = feature == LEAF
         count = int(np.count_nonzero(leaves))
-        otherwise[leaves] = np.frombuffer(data, "<u2", count, at)
+        step[leaves] = np.frombuffer(data, "<u2", count, at)
         at += 2 * count
-        self._value, self._otherwise = value.tobytes(), array("I")
-        self._otherwise.frombytes(otherwise.view(np.uint8).data)
+        self._value = value.tobytes()
+        halves = step.astype("<u2").tobytes()
+        self._low, self._high = halves[::2], halves[1::2]
+        """Bytes of: how much further on the second branch begins; at a leaf, which distribution it has."""
         self._choice = data[at : at + CHOICES * d]
         self._weight = data[at + CHOICES * d : at + 2 * CHOICES * d]
         self._leaves: list[Votes | None] = [None] * d
@@ -62,15 +66,16 @@ class Forest:
 
     def vote(self, letter: int, asked: bytes) -> Votes:
         """Labels of a letter (a=0) and their probabilities, given its features."""
-        feature, value, otherwise = self._feature, self._value, self._otherwise
-        leaves = self._leaves
+        feature, value, low, high = self._feature, self._value, self._low, self._high
         votes: dict[int, float] = {}
         roots = self._roots[letter]
         sure = 0
         for node in roots:
             while (f := feature[node]) != LEAF:
-                node = node + 1 if asked[f] == value[node] else otherwise[node]
-            for label, p in leaves[otherwise[node]] or self._leaf(otherwise[node]):
+                node += 1 if asked[f] == value[node] else low[node] + 256 * high[node]
+            leaf = low[node] + 256 * high[node]
+            p = 0.0
+            for label, p in self._leaves[leaf] or self._leaf(leaf):
                 votes[label] = votes.get(label, 0.0) + p
             sure += p == 1.0
             if sure == ENOUGH and len(votes) == 1:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
+from typing import Final
 
 from fapstream.records import SILENCE, Note, Phone, Spoken, Utterance, Word
 from fapstream.tts import prosody as prosodies
@@ -15,9 +16,9 @@ from fapstream.tts.pronounce import LEFT
 from fapstream.tts.reader import Event, Pause, Reader
 from fapstream.tts.segment import UNDECIDED, WRAPPED, NewLine, Token, ends_before
 
-MAX_TOKENS = 24
+MAX_TOKENS: Final = 24
 """Tokens are read on at the latest when so many wait."""
-PARAGRAPH_MS = 250.0
+PARAGRAPH_MS: Final = 250.0
 """A blank line adds so much to the pause."""
 
 
@@ -67,7 +68,7 @@ class FrontEnd:
     def feed(self, text: str) -> list[Utterance]:
         """Takes the next characters of the turn; returns what they complete."""
         for event in self._reader.feed(text):
-            if type(event) is Token:
+            if isinstance(event, Token):
                 self._token(event)
             else:
                 self._take(event)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from typing import Final
 
 from fapstream.errors import DataError
 from fapstream.tts.rules import BOUNDARY, RuleSet
 from fapstream.tts.tables import read_pairs, read_rows
 
 Tokens = tuple[str, ...]
-_VOWELS = frozenset("aeiou")
-_GLIDE = ("Y",)
+_VOWELS: Final = frozenset("aeiou")
+_GLIDE: Final = ("Y",)
 _TONOS = dict(zip("αεηιουωϊϋ", "άέήίόύώΐΰ", strict=True))
 _NO_TONOS = str.maketrans({with_tonos: plain for plain, with_tonos in _TONOS.items()})
-_WITH_TONOS = frozenset(_TONOS.values())
+_WITH_TONOS: Final = frozenset(_TONOS.values())
 _SYLLABLE = re.compile("ου|αι|ει|οι|υι|[αεη]υ|[αεηιουωϊϋ]")
 _ONE_SYLLABLE = re.compile("[^αεηιουωϊϋ]+(?:ι|υ|οι|ει)(?:ου|οι|[αεοω])[νσ]?")
 """Words that bear no tonos because their i is no syllable: μια, δυο, γεια, ποιος."""

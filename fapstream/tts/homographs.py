@@ -8,15 +8,15 @@ a class of a line `class NAME item item ...`, `*ed` for an ending, `#` for the p
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from fapstream.errors import DataError
 from fapstream.tts.tables import phone_set, read_rows
 
 Tokens = tuple[str, ...]
-LEFT = 2
+LEFT: Final = 2
 """Words before a homograph that may tell what it is; after it, it is one."""
-EDGE = "#"
+EDGE: Final = "#"
 CLASS = "class "
 
 

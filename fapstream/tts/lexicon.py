@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
+from typing import Final
 
 from fapstream.errors import DataError
 
 MAGIC = b"FLX4"
-CODE_BASE, CODE_END = 0x21, 0x7F
+CODE_BASE: Final = 0x21
+CODE_END: Final = 0x7F
 
 
 def pack(entries: Mapping[str, Sequence[str]]) -> bytes:

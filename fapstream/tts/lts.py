@@ -16,28 +16,32 @@ from __future__ import annotations
 import zlib
 from collections.abc import Sequence
 from math import log
+from typing import Final
 
 from fapstream.errors import DataError
 from fapstream.tts.forest import Forest
 
 MAGIC = b"FLT2"
-WINDOW, NEAR = 5, 3
+WINDOW: Final = 5
+NEAR: Final = 3
 """Letters on either side that a tree may ask about, and those of them whose classes it may ask about."""
 
-MAX_LETTERS = 48
+MAX_LETTERS: Final = 48
 """Longer words are pronounced in pieces of this many letters."""
 
-BEAM, UNLIKELY = 3, log(0.1)
+BEAM: Final = 3
+UNLIKELY: Final = log(0.1)
 """Readings that are kept, if they are not so much less likely than the best one."""
 
-TRUST, NEVER = 0.6, 0.01
+TRUST: Final = 0.6
+NEVER: Final = 0.01
 """How much the second forest's logarithms count, and the least probability that it may give."""
 
 Reading = tuple[float, bytes, tuple[int, ...]]
 """Logarithm of its probability, state of `Labels`, labels of the letters, last one first."""
 
-_VOWELS = frozenset("aeiouy")
-_PAD = 26
+_VOWELS: Final = frozenset("aeiouy")
+_PAD: Final = 26
 
 
 def _partition(groups: str, names: Sequence[str]) -> bytes:
@@ -172,15 +176,14 @@ class LetterToSound:
         labels = self._best(letters, features, beam) if len(beam) > 1 else beam[0][2]
         return [token for label in reversed(labels) for token in self.labels[label]]
 
-    def _propose(self, letters: Sequence[int], features: Sequence[bytes]) -> list[Reading]:
+    def _propose(self, letters: list[int], features: list[bytes]) -> list[Reading]:
         """The likeliest readings of a word, from its last letter to its first."""
-        follow, vote = self._backward.follow, self._proposing.vote
         beam: list[Reading] = [(0.0, self._backward.start, ())]
-        for letter, fixed in zip(reversed(letters), reversed(features), strict=True):
+        for i in range(len(letters) - 1, -1, -1):
             found = [
                 (score + log(p), state, label, labels)
                 for score, state, labels in beam
-                for label, p in vote(letter, fixed + state)
+                for label, p in self._proposing.vote(letters[i], features[i] + state)
             ]
             if len(found) > 1:
                 found.sort(key=_score, reverse=True)
@@ -189,17 +192,15 @@ class LetterToSound:
             for score, state, label, labels in found:
                 if score < limit or len(beam) == BEAM:
                     break
-                state = follow(state, label)
+                state = self._backward.follow(state, label)
                 if state not in seen:
                     seen.add(state)
                     beam.append((score, state, (*labels, label)))
         return beam
 
-    def _best(
-        self, letters: Sequence[int], features: Sequence[bytes], beam: Sequence[Reading]
-    ) -> Sequence[int]:
+    def _best(self, letters: list[int], features: list[bytes], beam: list[Reading]) -> tuple[int, ...]:
         """The labels of the reading that both forests like best, last letter first."""
-        follow, vote = self._forward.follow, self._judging.vote
+        follow = self._forward.follow
         scores = [score - abs(primaries(state) - 1) for score, state, _ in beam]
         states = [self._forward.start] * len(beam)
         for i, labels in enumerate(zip(*(reading[::-1] for _, _, reading in beam), strict=True)):
@@ -207,7 +208,9 @@ class LetterToSound:
             if len(asked) == 1:  # all readings would get the same
                 states = [follow(states[0], labels[0])] * len(beam)
                 continue
-            votes = {state: dict(vote(letters[i], features[i] + state)) for state in set(states)}
+            votes = {
+                state: dict(self._judging.vote(letters[i], features[i] + state)) for state in set(states)
+            }
             for k, label in enumerate(labels):
                 scores[k] += TRUST * log(max(votes[states[k]].get(label, 0.0), NEVER))
             states = [follow(state, label) for state, label in zip(states, labels, strict=True)]

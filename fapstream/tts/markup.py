@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from fapstream.tts.tables import LANGUAGES
 
@@ -58,7 +58,7 @@ class Style:
     lang: str = ""
 
 
-PLAIN = Style()
+PLAIN: Final = Style()
 
 
 _NONE: Mapping[str, str] = {}

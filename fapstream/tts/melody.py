@@ -11,14 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from fapstream.tts.sounds import Sound
 
 Pitch = tuple[tuple[float, float], ...]
 """(percent of the phone's duration, Hz), ascending, the first at 0."""
 
-PEAK_PERCENT = 55.0
+PEAK_PERCENT: Final = 55.0
 """Where in its vowel an accent is highest."""
 
 

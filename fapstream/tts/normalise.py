@@ -12,6 +12,7 @@ import unicodedata
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from fapstream.records import Spoken
 from fapstream.tts.markup import PLAIN, Style
@@ -32,14 +33,14 @@ _PRIMES = dict.fromkeys("’΄´ʹ᾽′", "'")
 _POSSESSIVE = re.compile(r"['’]s(?!\w)")
 _AFTER_WORD = re.compile(r"\W+$")
 _SUBSCRIPTS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
-MAX_GROUP = 8
+MAX_GROUP: Final = 8
 """Tokens that may be read together."""
 BETWEEN = "./-"
 """Signs that are read between words of two letters or more only, as in example.com."""
 
 
 Lexicon = Mapping[str, tuple[Spoken, ...]]
-_NO_LEXICON: Lexicon = {}
+_NO_LEXICON: Final[Lexicon] = {}
 
 
 class Item:
@@ -75,8 +76,7 @@ class Normaliser:
     def __init__(self, vocabulary: Vocabulary, patterns: Patterns, speller: Speller) -> None:
         self._patterns = patterns
         self.warm = patterns.check
-        self._words = speller.words
-        self._is_word = speller.is_word
+        self._speller = speller
         classes = vocabulary.classes
         self._abbreviations = vocabulary.known
         self._wordlike = frozenset(classes.get("wordlike", ()))
@@ -108,7 +108,7 @@ class Normaliser:
                 taken.items.append(own)
                 taken.used += 1
             elif token.word and token.word not in self._special:
-                self._single(taken, token, before, self._words(token.word))
+                self._single(taken, token, before, self._speller.words(token.word))
             elif token.word or token.said:
                 if self._starts(token, before):
                     if not self._group(taken, tokens, closed, before):
@@ -152,14 +152,14 @@ class Normaliser:
         entry = self._abbreviations.get(word)
         if entry is None and len(word) < len(token.text):
             entry = self._abbreviations.get(_signed(token))
-        return entry.one.split() if entry else self._words(word)
+        return entry.one.split() if entry else self._speller.words(word)
 
     def _single(self, taken: Taken, token: Token, before: str, spoken: Sequence[Spoken]) -> None:
         """A token that is read by itself."""
         text = token.text
         word = text if token.said else token.word
         if len(spoken) > 1 and not token.said and word.isupper() and self._in_capitals(word, before):
-            spoken = self._words(word.lower())
+            spoken = self._speller.words(word.lower())
         taken.used += 1
         if not spoken:
             return
@@ -172,7 +172,7 @@ class Normaliser:
         """Whether capitals are a word of a line in capitals, not an acronym."""
         if not (len(before) > 2 and before.isupper() and before.isalpha()) or before in self._abbreviations:
             return False
-        line = len(before) > 3 or self._is_word(before)
+        line = len(before) > 3 or self._speller.is_word(before)
         return line and (word not in self._abbreviations or word in self._wordlike)
 
     # what is more than letters
@@ -238,7 +238,7 @@ class Normaliser:
         if entry := self._abbreviations.get(word):
             return entry.one.split()
         code = len(word) == 1 and (word.isascii() or word.isupper()) and following[:1].isdecimal()
-        return [word.upper()] if code else self._words(word)
+        return [word.upper()] if code else self._speller.words(word)
 
     def _places(self, text: str, at: int) -> Sequence[str]:
         """Which patterns may begin here."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Final
 
 from fapstream.records import SILENCE, Note, Phone, Utterance, Word, make
 from fapstream.tts.manner import PHRASE, Manner
@@ -20,16 +21,18 @@ from fapstream.tts.normalise import Item
 from fapstream.tts.prosody import Prosody
 from fapstream.tts.sounds import Sound
 
-LEAD_MS = 15.0
+LEAD_MS: Final = 15.0
 """Silence before the first phone of a turn."""
-MIN_PAUSE_MS = 100.0
-MAX_PENDING, MIN_PIECE = 20, 12
+MIN_PAUSE_MS: Final = 100.0
+MAX_PENDING: Final = 20
+MIN_PIECE: Final = 12
 """With unlimited look-ahead a phrase longer than so many words is spoken without waiting for its end, cut
 after at least MIN_PIECE words."""
 
-HOLD_MS, HOLD_PAUSE_MS = 140.0, 160.0
+HOLD_MS: Final = 140.0
+HOLD_PAUSE_MS: Final = 160.0
 """When the text has run dry: how long the last sound is drawn out, and the pause after it."""
-_DRAWN = frozenset(("vowel", "fricative", "nasal", "liquid"))
+_DRAWN: Final = frozenset(("vowel", "fricative", "nasal", "liquid"))
 
 
 class PlannedWord:

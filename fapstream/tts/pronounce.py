@@ -5,7 +5,7 @@ Words come one after the other; a word is pronounced as soon as what follows can
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from fapstream.records import Spoken
 from fapstream.tts.english import English, english
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Tokens = tuple[str, ...]
 
-LEFT = 2
+LEFT: Final = 2
 """Words before a word that may act on it; to the right it is one."""
 
 

@@ -32,7 +32,7 @@ class Stop(NamedTuple):
 class Prosody:
     """Everything that makes phones of one language last and sing."""
 
-    sounds: Mapping[str, Sound]
+    sounds: dict[str, Sound]
     durations: DurationModel
     melody: MelodyModel
     stops: Mapping[str, Stop]

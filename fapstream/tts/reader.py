@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from fapstream.records import Note, Spoken
 from fapstream.tts.markup import PLAIN, Style, Tag, break_ms, parse, styled
 from fapstream.tts.segment import NewLine, Piece, Run, Scanner, Segmenter, TagText, Token, plain_runs
 
-MAX_DEPTH = 32
+MAX_DEPTH: Final = 32
 """Elements inside each other; deeper ones are text."""
-MAX_CONTENT = 400
+MAX_CONTENT: Final = 400
 """Characters that `sub`, `say-as` or `phoneme` may hold."""
 
 _CAPTURING = frozenset(("sub", "say-as", "phoneme"))
@@ -64,7 +64,7 @@ class Reader:
         """What more text completes."""
         out: list[Event] = []
         for found in self._scanner.feed(text):
-            if type(found) is Run and self._capture is None:
+            if isinstance(found, Run) and self._capture is None:
                 out += self._segmenter.tokens(found.text, found.start, self._style)
             else:
                 out += self._take(found)
@@ -133,16 +133,15 @@ class Reader:
     def _captured(self, closing: TagText) -> Iterator[Event]:
         capture, self._capture = self._capture, None
         assert capture
-        content = " ".join(run for run, _ in capture.runs)
+        content = " ".join([run.text for run in capture.runs])
         said = self._say(capture.tag, content) if content else ()
         if said is None:
             self._capture = capture
             yield from self._give_up()
         elif content:
-            first, start = capture.runs[0]
-            last, end = capture.runs[-1]
-            text = content if end + len(last) - start == len(content) else first
-            yield Token(text, start, "", "", self._style, said=said)
+            first, last = capture.runs[0], capture.runs[-1]
+            together = last.start + len(last.text) - first.start == len(content)
+            yield Token(content if together else first.text, first.start, "", "", self._style, said=said)
 
     def _give_up(self) -> Iterator[Event]:
         """The content of an element that cannot be read as it asks, as text."""
@@ -150,10 +149,10 @@ class Reader:
         assert capture
         reason = f"<{capture.tag.name}> is not closed or cannot be read as it asks"
         yield Note("warning", reason, capture.start, capture.start + 1)
-        for run, start in capture.runs:
-            yield from self._segmenter.tokens(run, start, self._style)
+        for run in capture.runs:
+            yield from self._segmenter.tokens(run.text, run.start, self._style)
 
     def _as_text(self, text: str, start: int) -> Iterator[Event]:
         yield Note("warning", f"mark-up that is not understood: {text[:60]}", start, start + len(text))
-        for run, at in plain_runs(text, start):
-            yield from self._segmenter.tokens(run, at, self._style)
+        for run in plain_runs(text, start):
+            yield from self._segmenter.tokens(run.text, run.start, self._style)

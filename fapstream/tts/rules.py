@@ -1,7 +1,8 @@
 """Ordered four-part rewrite rules: left context, text, right context, output. The first that matches wins.
 
-The rules that begin with the same symbol are compiled into one regular expression whose alternatives are the
-rules in order, so that at each place one call of the matcher finds the rule. Symbols are single characters;
+The rules that begin with the same symbol are compiled into one regular expression whose alternatives are
+the rules in order, so that at each place one call of the matcher finds the rule; not even that is needed
+where the next symbol excludes all of them but the last, which has no contexts. Symbols are single characters;
 a table over phones is handed an `encode` that names the character, or the several characters, that a phone
 stands for.
 
@@ -14,12 +15,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from itertools import product
+from typing import Final
 
 from fapstream.errors import DataError
 from fapstream.tts.tables import read_rows
 
-BOUNDARY = " "
+BOUNDARY: Final = " "
 
 
 class Match:
@@ -35,6 +38,22 @@ class Match:
 
 Rule = tuple[str, str, str, str]
 """Left context, text, right context, output, as written in a table."""
+Output = tuple[str, ...]
+_Compiled = tuple[int | None, str, Output, AbstractSet[str] | None]
+"""Line, pattern, output, and what `RuleSet._seconds` says of it."""
+
+
+class _Rules:
+    """Those that begin with one symbol. `rest`: the output where the next symbol is none of `seconds`;
+    None if the next symbol never decides."""
+
+    def __init__(
+        self, pattern: re.Pattern[str], outputs: list[Output], seconds: AbstractSet[str], rest: Output | None
+    ) -> None:
+        self.match = pattern.match
+        self.outputs = outputs
+        self.seconds = seconds
+        self.rest = rest
 
 
 class RuleSet:
@@ -56,21 +75,18 @@ class RuleSet:
         self._classes: dict[str, list[str]] = {}
         for name, symbols in classes.items():
             self._classes[name] = [s for symbol in symbols.split() for s in self._symbols(symbol)]
-        begin: dict[str, list[tuple[int | None, str, tuple[str, ...]]]] = {}
+        begin: dict[str, list[_Compiled]] = {}
         past = []
         for line, (left, text, right, output) in rules:
             try:
                 pattern = self._pattern(left, text, right) + "()"
-                first = {s[0] for s in self._symbols(text.split()[0])}
+                seconds = self._seconds(left, text, right)
+                for symbol in {s[0] for s in self._symbols(text.split()[0])}:
+                    begin.setdefault(symbol, []).append((line, pattern, tuple(output.split()), seconds))
                 past += self._past(left, text, right)
             except (KeyError, IndexError, ValueError) as error:
                 raise _not_understood(path, line, error) from error
-            for symbol in first:
-                begin.setdefault(symbol, []).append((line, pattern, tuple(output.split())))
-        self._by_symbol = {
-            symbol: (_any_of([(line, p) for line, p, _ in rules], path).match, [o for _, _, o in rules])
-            for symbol, rules in begin.items()
-        }
+        self._by_symbol = {symbol: _together(compiled, path) for symbol, compiled in begin.items()}
         self._past_end = re.compile("|".join(past) or "(?!)")
 
     @classmethod
@@ -95,9 +111,14 @@ class RuleSet:
         by_symbol, n = self._by_symbol, len(text)
         while at < n:
             rules = by_symbol.get(text[at])
-            if rules and (found := rules[0](text, at)):
+            if rules is None:
+                at += 1
+            elif rules.rest is not None and text[at + 1 : at + 2] not in rules.seconds:
+                out.append(Match(at, at + 1, rules.rest))
+                at += 1
+            elif found := rules.match(text, at):
                 end = found.end()
-                out.append(Match(at, end, rules[1][(found.lastindex or 1) - 1]))
+                out.append(Match(at, end, rules.outputs[(found.lastindex or 1) - 1]))
                 at = end
             else:
                 at += 1
@@ -117,6 +138,18 @@ class RuleSet:
         while "#" in before[1:]:  # what the word before is like is not known
             before = before[1:]
         return [self._pattern(" ".join(before), " ".join(items[:end]), "") + re.escape(BOUNDARY) + r"\Z"]
+
+    def _seconds(self, left: str, text: str, right: str) -> AbstractSet[str] | None:
+        """Symbols one of which comes second wherever the rule matches, none if it needs no second; None if
+        nothing can be said."""
+        first, *items = text.split() + right.split()
+        if any(len(symbol) > 1 for symbol in self._symbols(first)):
+            return None
+        if not items:
+            return None if left.strip() else frozenset()
+        if items[0].startswith("!") or items[0].endswith("*"):
+            return None
+        return frozenset(symbol[0] for symbol in self._symbols(items[0]))
 
     def _pattern(self, left: str, text: str, right: str) -> str:
         middle = "".join(self._item(item) for item in text.split())
@@ -155,6 +188,20 @@ class RuleSet:
         if name == "#":
             return [BOUNDARY]
         return self._classes[name] if name in self._classes else list(self._encode(name))
+
+
+def _together(compiled: Sequence[_Compiled], path: str) -> _Rules:
+    """The rules of one symbol, in order. Raises DataError."""
+    pattern = _any_of([(line, pattern) for line, pattern, _, _ in compiled], path)
+    *firsts, (_, _, last, last_seconds) = compiled
+    seconds = [symbols for _, _, _, symbols in firsts]
+    told = last_seconds == frozenset() and not any(symbols is None or not symbols for symbols in seconds)
+    return _Rules(
+        pattern,
+        [output for _, _, output, _ in compiled],
+        frozenset().union(*[symbols for symbols in seconds if symbols]),
+        last if told else None,
+    )
 
 
 def _any_of(patterns: Sequence[tuple[int | None, str]], path: str) -> re.Pattern[str]:

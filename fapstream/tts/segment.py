@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from fapstream.records import ExpressionName, Spoken, make
+from fapstream.records import ExpressionName, Spoken
 from fapstream.tts.markup import PLAIN, Style
 
-MAX_TOKEN = 200
+MAX_TOKEN: Final = 200
 """A longer run without white space is cut every so many characters, which bounds all work per token."""
 
-MAX_TAG = 400
+MAX_TAG: Final = 400
 """What begins like a tag and is longer is text."""
 
-WRAPPED = 60
+WRAPPED: Final = 60
 """A line of so many characters may have been wrapped: it ends a phrase unless the next one goes on."""
 
 MIN_SMILEY_MS, DEFAULT_SMILEY_MS, MAX_SMILEY_MS = 40, 1000, 10_000
@@ -33,7 +33,7 @@ SMILEYS: Mapping[str, ExpressionName] = {
     "o": "fear",
 }
 
-_CHUNK = re.compile(r"(?P<run>[^\s<]+)|(?P<blank>[^\S\n]+)|(?P<line>\n)|(?P<tag><)")
+_CHUNK: Final = re.compile(r"(?P<run>[^\s<]+)[^\S\n]*|(?P<blank>[^\S\n]+)|(?P<line>\n)|(?P<tag><)")
 _LITERAL = re.compile(r"(?P<run>\S+)|(?P<blank>[^\S\n]+)|(?P<line>\n)")
 _RUN = re.compile(rf"\S{{1,{MAX_TOKEN}}}")
 _TAG_PIECE = re.compile(r"[^<>]+|[<>]")
@@ -55,13 +55,13 @@ _AREA = re.compile(r"\(\d{1,3}\)[-\d]{0,20}")
 _DAY = re.compile(r"(?:[12]\d|3[01]|[1-9])(?:st|nd|rd|th)?,")
 _YEAR = re.compile(r"(?:1\d|20)\d\d(?!\d)")
 _TAIL = re.compile(r"([.!?;:,·…\u037e\u0387]+)[" + re.escape(_CLOSERS) + "]*$")
-_MARKS = ",.!?:"
+_MARKS: Final = ",.!?:"
 _NO_LETTERS = r"\W\d_²³¹¼-¾\u2070-\u2089\u2150-\u2189"
 _WORD = re.compile(f"[{re.escape(_OPENERS)}]*([^{_NO_LETTERS}]+(?:['’][^{_NO_LETTERS}]+)*)([^\\w\\s(\\[]*)$")
 INITIALS = re.compile(r"([^\W\d_]\.)+")
 
 
-UNDECIDED: Mapping[str, str] = {
+UNDECIDED: Final[Mapping[str, str]] = {
     "capital": "sentence",
     "number": "sentence",
     "date": "comma",
@@ -104,11 +104,14 @@ class Token:
         self.said = said
 
 
-class Run(NamedTuple):
+class Run:
     """Characters without white space, at code point `start`."""
 
-    text: str
-    start: int
+    __slots__ = ("start", "text")
+
+    def __init__(self, text: str, start: int) -> None:
+        self.text = text
+        self.start = start
 
 
 class NewLine(NamedTuple):
@@ -162,18 +165,22 @@ class Scanner:
         n, fed = len(text), self._fed
         for found in _CHUNK.finditer(text, at):
             kind = found.lastgroup
-            begin, end = found.span()
             if kind == "run":
-                if self._parts or end == n or end - begin > MAX_TOKEN or text[end] == "<":
-                    self._grow(found.group(), fed + begin, out)
-                else:
-                    out.append(make(Run, (found.group(), fed + begin)))
+                run: str = found["run"]
+                start = fed + found.start()
+                complete = found.end() - found.start() > len(run)
+                if complete and not self._parts and len(run) <= MAX_TOKEN:
+                    out.append(Run(run, start))
+                    continue
+                self._grow(run, start, out)
+                if complete:
+                    self._finish(out)
             elif kind == "tag":
-                return self._tags(text, begin, out)
+                return self._tags(text, found.start(), out)
             else:
                 self._finish(out)
                 if kind == "line":
-                    self._line(fed + end, out)
+                    self._line(fed + found.end(), out)
         return n
 
     def _line(self, end: int, out: list[Piece]) -> None:

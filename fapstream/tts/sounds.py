@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Final
 
 from fapstream.tts.tables import phone_set, read_rows
 
-LEAST = 0.8
+LEAST: Final = 0.8
 """Share of its minimum that a phone keeps in any case."""
 STRESSES = ("0", "1", "2")
 

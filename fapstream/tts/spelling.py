@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Mapping
+from typing import Final
 
 from fapstream.tts.lookalikes import is_greek, one_script
 
@@ -17,13 +18,12 @@ _EXTRA = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "
 _EXTRA_LATIN = str.maketrans(
     _EXTRA | {k.upper(): v.upper() for k, v in _EXTRA.items() if k != "ß"} | {"ı": "i"}
 )
-_GREEK_VOWELS = "αεηιουωάέήίόύώϊϋΐΰ"
-_GREEK_LETTERS = "βγδζθκλμνξπρστφχψς" + _GREEK_VOWELS
+_GREEK_VOWELS: Final = "αεηιουωάέήίόύώϊϋΐΰ"
+_GREEK_LETTERS: Final = "βγδζθκλμνξπρστφχψς" + _GREEK_VOWELS
 _ACCENTS_BEFORE = "\u0384\u00b4\u1fce\u1fde\u1fcd\u1fdd"
 """Signs that old texts write before a capital instead of on it."""
-_VOWELS = frozenset("aeiouy")
 _ENDING = re.compile(r"([A-Z]{2,60})(['’]?s)")
-MAX_WORD = 60
+MAX_WORD: Final = 60
 """Longer words are read in pieces of this many letters."""
 
 
@@ -78,13 +78,12 @@ class Speller:
         word = text.lower()
         if len(word) == 1:
             return [word] if word in "ai" else [word.upper()]
-        if not (text.isupper() or _VOWELS.isdisjoint(word)):
-            return _pieces(word) if len(word) > MAX_WORD else [word]
+        if _has_vowel(word) and not text.isupper():
+            return _pieces(word)
         letters = word.replace("'", "").replace("’", "")
         if not letters.isalpha():
             return []
-        unsayable = _VOWELS.isdisjoint(letters)
-        if (unsayable or (text.isupper() and len(letters) <= 5)) and not self._is_word(word):
+        if (not _has_vowel(letters) or (text.isupper() and len(letters) <= 5)) and not self._is_word(word):
             return [c.upper() for c in letters]
         return _pieces(word)
 
@@ -95,7 +94,13 @@ def ended(words: list[str], ending: str) -> list[str]:
     return [*first, last.lower() + "'s" if len(last) == 1 else last + ending] if last else []
 
 
+def _has_vowel(word: str) -> bool:
+    return "e" in word or "a" in word or "o" in word or "i" in word or "u" in word or "y" in word
+
+
 def _pieces(word: str) -> list[str]:
+    if 0 < len(word) <= MAX_WORD:
+        return [word]
     return [word[at : at + MAX_WORD] for at in range(0, len(word), MAX_WORD)]
 
 

@@ -16,7 +16,7 @@ def items(lang: str, text: str) -> list[Item]:
     rooms, scanner = language(lang), Scanner()
     events = [*scanner.feed(text), *scanner.end()]
     runs = [event for event in events if isinstance(event, Run)]
-    tokens = [token for run, start in runs for token in rooms.segmenter.tokens(run, start)]
+    tokens = [token for run in runs for token in rooms.segmenter.tokens(run.text, run.start)]
     return rooms.normalise.take(tokens, True).items
 
 

@@ -11,7 +11,9 @@ from fapstream.tts.numerals import Numerals
 from fapstream.tts.patterns import Found, Vocabulary
 from fapstream.tts.readers import Readers, roman
 
-READERS = Readers(Numerals("en"), Vocabulary("en/vocabulary.tsv"), language("en").normalise._words).table()
+READERS = Readers(
+    Numerals("en"), Vocabulary("en/vocabulary.tsv"), language("en").normalise._speller.words
+).table()
 
 
 def read(reader: str, text: str, other: str = "") -> str:
