@@ -68,6 +68,31 @@ make_venv() {
   echo "$want" >"$stamp"
 }
 
+compiler_packages=(gcc libc6-dev python3-dev)
+can_compile() {
+  command -v gcc >/dev/null && "$venv/bin/python" -c \
+    'import os, sys, sysconfig; sys.exit(not os.path.exists(sysconfig.get_path("include") + "/Python.h"))'
+}
+
+# The speech front-end is compiled in place where that is possible, and again after its sources have changed.
+# FAPSTREAM_COMPILE=0: it runs from its sources.
+compile_front_end() {
+  local compile=("$venv/bin/python" "$root/tools/compile.py") refused=$venv/.fapstream-no-compiler
+  if [ "${FAPSTREAM_COMPILE-1}" = 0 ]; then "${compile[@]}" --remove; return; fi
+  "${compile[@]}" --check && return
+  "${compile[@]}" --remove
+  if [ ! -e "$refused" ]; then
+    can_compile || apt_install "compiling the speech front-end" "${compiler_packages[@]}" || true
+    if can_compile; then
+      say "compiling the speech front-end, which takes a minute"
+      "$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$root/constraints.txt" mypy setuptools &&
+        "${compile[@]}" && return
+    fi
+    touch "$refused"
+  fi
+  say "the speech front-end runs from its sources, at half the speed (to have it compiled again: rm $refused)"
+}
+
 have_voices() { # have_voices voice...
   local v
   command -v mbrola >/dev/null || return
