@@ -23,9 +23,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "fapstream" / "tts"
 MODULES = [
-    *("durations", "english", "forest", "frontend", "greek", "homographs", "language", "lexicon", "lts"),
-    *("markup", "melody", "normalise", "plan", "pronounce", "prosody", "reader", "rules", "segment"),
-    *("sounds", "spelling", "stems"),
+    *("durations", "english", "forest", "frontend", "greek", "greek_agreement", "greek_readers"),
+    *("homographs", "language", "lexicon", "lts", "markup", "melody", "normalise", "numerals", "patterns"),
+    *("plan", "pronounce", "prosody", "reader", "readers", "rules", "segment", "sounds", "spelling", "stems"),
 ]
 """What every word goes through. records.py is not among them: its named tuples would not gain."""
 

@@ -420,12 +420,14 @@ def test_what_cannot_be_spoken_is_skipped(text: str) -> None:
     ],
 )
 def test_megabytes_take_linear_time(text: str) -> None:
-    def seconds(part: str) -> float:
+    def once(part: str) -> float:
         begin = time.process_time()
         spoken("en", part)
         return time.process_time() - begin
 
-    seconds(text[:2000])
+    def seconds(part: str) -> float:
+        return min(once(part) for _ in range(3))  # the collector may go through all memory in one of them
+
     quarter, whole = seconds(text[: len(text) // 4]), seconds(text)
     assert whole < 10 * quarter + 0.1
 
