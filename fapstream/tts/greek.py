@@ -11,7 +11,7 @@ from fapstream.tts.rules import BOUNDARY, RuleSet
 from fapstream.tts.tables import read_pairs, read_rows
 
 Tokens = tuple[str, ...]
-_VOWELS: Final = frozenset("aeiou")
+_UNSTRESSED: Final = {vowel: vowel + "0" for vowel in "aeiou"}
 _GLIDE: Final = ("Y",)
 _TONOS = dict(zip("αεηιουωϊϋ", "άέήίόύώΐΰ", strict=True))
 _NO_TONOS = str.maketrans({with_tonos: plain for plain, with_tonos in _TONOS.items()})
@@ -85,13 +85,15 @@ class Greek:
 
     def _stressed(self, word: str, tokens: list[str]) -> Tokens:
         """Every vowel with a stress digit; of content words without a tonos the first has the stress."""
-        vowels = [i for i, t in enumerate(tokens) if t in _VOWELS]
-        marked = [t for t in tokens if t[0] in _VOWELS and t not in _VOWELS]
-        content = not marked and word not in self._clitics
-        for i in vowels:
-            tokens[i] += "0"
-        if vowels and content:
-            tokens[vowels[0]] = tokens[vowels[0]][0] + "1"
+        marked, first = False, -1
+        for i, token in enumerate(tokens):
+            if (unstressed := _UNSTRESSED.get(token)) is not None:
+                tokens[i] = unstressed
+                first = i if first < 0 else first
+            elif token[-1] == "1":
+                marked = True
+        if first >= 0 and not marked and word not in self._clitics:
+            tokens[first] = tokens[first][0] + "1"
         return tuple(tokens)
 
 

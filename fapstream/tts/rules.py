@@ -2,9 +2,9 @@
 
 The rules that begin with the same symbol are compiled into one regular expression whose alternatives are
 the rules in order, so that at each place one call of the matcher finds the rule; not even that is needed
-where the next symbol excludes all of them but the last, which has no contexts. Symbols are single characters;
-a table over phones is handed an `encode` that names the character, or the several characters, that a phone
-stands for.
+where the symbols next to it exclude all of them but the last, which has no contexts. Symbols are single
+characters; a table over phones is handed an `encode` that names the character, or the several characters,
+that a phone stands for.
 
 A context is a sequence of items separated by blanks: a symbol, a class defined by a line
 `class NAME symbol ...` (its symbols may be several characters wide; a second line adds to it), `!item` for
@@ -39,20 +39,22 @@ class Match:
 Rule = tuple[str, str, str, str]
 """Left context, text, right context, output, as written in a table."""
 Output = tuple[str, ...]
-_Compiled = tuple[int | None, str, Output, AbstractSet[str] | None]
-"""Line, pattern, output, and what `RuleSet._seconds` says of it."""
+Neighbours = tuple[AbstractSet[str], AbstractSet[str]]
+"""Symbols that come before, and symbols that come after."""
+_Compiled = tuple[int | None, str, Output, Neighbours | None]
+"""Line, pattern, output, and what `RuleSet._neighbours` says of it."""
 
 
 class _Rules:
-    """Those that begin with one symbol. `rest`: the output where the next symbol is none of `seconds`;
-    None if the next symbol never decides."""
+    """Those that begin with one symbol. `rest`: the output where the symbols on either side of it are none of
+    `neighbours`; None if those never decide."""
 
     def __init__(
-        self, pattern: re.Pattern[str], outputs: list[Output], seconds: AbstractSet[str], rest: Output | None
+        self, pattern: re.Pattern[str], outputs: list[Output], neighbours: Neighbours, rest: Output | None
     ) -> None:
         self.match = pattern.match
         self.outputs = outputs
-        self.seconds = seconds
+        self.before, self.after = neighbours
         self.rest = rest
 
 
@@ -80,9 +82,9 @@ class RuleSet:
         for line, (left, text, right, output) in rules:
             try:
                 pattern = self._pattern(left, text, right) + "()"
-                seconds = self._seconds(left, text, right)
+                near = self._neighbours(left, text, right)
                 for symbol in {s[0] for s in self._symbols(text.split()[0])}:
-                    begin.setdefault(symbol, []).append((line, pattern, tuple(output.split()), seconds))
+                    begin.setdefault(symbol, []).append((line, pattern, tuple(output.split()), near))
                 past += self._past(left, text, right)
             except (KeyError, IndexError, ValueError) as error:
                 raise _not_understood(path, line, error) from error
@@ -108,12 +110,15 @@ class RuleSet:
     def apply(self, text: str, at: int = 0) -> list[Match]:
         """The rewriting of `text` from `at` on, left to right; symbols no rule matches are passed over."""
         out: list[Match] = []
-        by_symbol, n = self._by_symbol, len(text)
+        symbols = [*text, ""]  # one string a place, so that each is hashed once
+        n = len(text)
         while at < n:
-            rules = by_symbol.get(text[at])
+            rules = self._by_symbol.get(symbols[at])
             if rules is None:
                 at += 1
-            elif rules.rest is not None and text[at + 1 : at + 2] not in rules.seconds:
+            elif rules.rest is not None and not (
+                symbols[at + 1] in rules.after or (at and symbols[at - 1] in rules.before)
+            ):
                 out.append(Match(at, at + 1, rules.rest))
                 at += 1
             elif found := rules.match(text, at):
@@ -139,17 +144,18 @@ class RuleSet:
             before = before[1:]
         return [self._pattern(" ".join(before), " ".join(items[:end]), "") + re.escape(BOUNDARY) + r"\Z"]
 
-    def _seconds(self, left: str, text: str, right: str) -> AbstractSet[str] | None:
-        """Symbols one of which comes second wherever the rule matches, none if it needs no second; None if
-        nothing can be said."""
-        first, *items = text.split() + right.split()
+    def _neighbours(self, left: str, text: str, right: str) -> Neighbours | None:
+        """Symbols one of which is next to the first wherever the rule matches, on either side: none if it
+        needs no neighbour, None if nothing can be said."""
+        nobody: frozenset[str] = frozenset()
+        before, (first, *after) = left.split(), text.split() + right.split()
         if any(len(symbol) > 1 for symbol in self._symbols(first)):
             return None
-        if not items:
-            return None if left.strip() else frozenset()
-        if items[0].startswith("!") or items[0].endswith("*"):
-            return None
-        return frozenset(symbol[0] for symbol in self._symbols(items[0]))
+        if after and not after[0].startswith("!") and not after[0].endswith("*"):
+            return nobody, frozenset(symbol[0] for symbol in self._symbols(after[0]))
+        if before and not before[-1].startswith("!"):
+            return frozenset(symbol[-1] for symbol in self._symbols(before[-1])), nobody
+        return None if before or after else (nobody, nobody)
 
     def _pattern(self, left: str, text: str, right: str) -> str:
         middle = "".join(self._item(item) for item in text.split())
@@ -193,13 +199,14 @@ class RuleSet:
 def _together(compiled: Sequence[_Compiled], path: str) -> _Rules:
     """The rules of one symbol, in order. Raises DataError."""
     pattern = _any_of([(line, pattern) for line, pattern, _, _ in compiled], path)
-    *firsts, (_, _, last, last_seconds) = compiled
-    seconds = [symbols for _, _, _, symbols in firsts]
-    told = last_seconds == frozenset() and not any(symbols is None or not symbols for symbols in seconds)
+    *others, (_, _, last, free) = compiled
+    known = [near for _, _, _, near in others if near and any(near)]
+    told = len(known) == len(others) and free is not None and not any(free)
+    before, after = ([near[side] for near in known] for side in (0, 1))
     return _Rules(
         pattern,
         [output for _, _, output, _ in compiled],
-        frozenset().union(*[symbols for symbols in seconds if symbols]),
+        (frozenset().union(*before), frozenset().union(*after)),
         last if told else None,
     )
 

@@ -32,8 +32,8 @@ WARM_UP = {
     "el": "Χθες έβρεχε όλη τη μέρα· κανείς δεν βγήκε, και στις 9:30 οι δρόμοι της Λάρισας είχαν πλημμυρίσει. "
     "Θα ξανατρέξουν αύριο τα τρένα; Οι μηχανικοί το ελπίζουν! ",
 }
-WARM_UPS = 20
-"""How often it is read before each run: the other contestant has had the processor in between."""
+WARM_UPS = 40
+"""How often it is read before each run, a thousand words: the other contestant has had the processor."""
 
 READY = """
 import resource, sys, time
@@ -64,10 +64,9 @@ def ours(lang: str, look_ahead: int) -> Callable[[], float]:
     words, manner = text(lang), Manner(look_ahead=look_ahead)
 
     def run() -> float:
-        for _ in range(WARM_UPS):
-            front = FrontEnd(lang, manner)
-            front.feed(WARM_UP[lang])
-            front.end()
+        front = FrontEnd(lang, manner)
+        front.feed(WARM_UP[lang] * WARM_UPS)
+        front.end()
         begin = time.perf_counter()
         front = FrontEnd(lang, manner)
         found = front.feed(words) + front.end()
