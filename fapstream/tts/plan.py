@@ -238,8 +238,9 @@ class Planner:
             self._item = item
             self._said.append(make(Word, (item.text, item.start, item.end, tuple(item.spoken))))
         index = len(self._said) - 1
+        new_tuple, kind = make, Phone  # looked up once
         new = [
-            make(Phone, (sound.name, ms[i], pitch[i], sound.stress, index, None, gain, (), False))
+            new_tuple(kind, (sound.name, ms[i], pitch[i], sound.stress, index, None, gain, (), False))
             for i, sound in enumerate(sounds)
         ]
         notes = self._notes
