@@ -77,6 +77,8 @@ class Token:
     remain, else "". `stop`: "" for nothing, the kind of phrase end after it (see `stops` in prosody.toml), or
     one of UNDECIDED: a phrase ends here if the next token says so. `raw` is what was written where `text` is
     not it (entities); `said`: the reading that mark-up gives, and then `text` may hold white space.
+
+    Not a dataclass, like Run and Item: many are made, and of a dataclass the constructor is not compiled.
     """
 
     __slots__ = ("expression", "raw", "said", "silence_ms", "start", "stop", "style", "text", "word")
