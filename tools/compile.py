@@ -52,7 +52,8 @@ DIGEST = PACKAGE / "compiled.sha256"
 def digest() -> str:
     """Of everything that decides what is compiled."""
     found = hashlib.sha256(f"{sys.version} {MODULES} {BUILD}".encode())
-    for path in sorted([*PACKAGE.glob("*.py"), *PACKAGE.parent.glob("*.py")]):
+    outside = [PACKAGE.parent / name for name in ("errors.py", "records.py", "data.py")]
+    for path in [*sorted(PACKAGE.glob("*.py")), *outside]:
         found.update(path.read_bytes())
     return found.hexdigest()
 

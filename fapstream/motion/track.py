@@ -111,12 +111,14 @@ class SpeechTrack:
     def _seen(self, keys: list[Keyframe]) -> list[Keyframe]:
         """A contact, moved by less than a frame so that one frame falls into it however short it is.
 
-        Not before the newest keyframe: what lies before that may have been shown.
+        Not before the newest keyframe: what lies before that may have been shown, and the contact before
+        this one may have been moved over its beginning.
         """
         first, last = keys[0].sample, keys[-1].sample
-        if self._frame_from(first) <= last:
+        newest = self._keys[-1].sample
+        if self._frame_from(max(first, newest + 1)) <= last:
             return keys
-        earliest = max(self._keys[-1].sample + 1, self._silent_until)
+        earliest = max(newest + 1, self._silent_until)
         middle = (first + last) / 2
         frame = self._frame_from(max(earliest, round(middle - self._sample_rate / self._fps / 2)))
         start = max(earliest, min(first, frame))

@@ -11,7 +11,7 @@ import pytest
 
 import fapstream.tts.plan
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 COMPILED = fapstream.tts.plan.__file__.endswith(".so")
 SENTENCES = {
     "en": "He paid $3.5m on 21/3/2026, <emphasis>not</emphasis> 5%; the zylograph of Οδυσσέας \\:) wept?",
