@@ -261,8 +261,12 @@ class Normaliser:
         """A token that the vocabulary has with digits and all."""
         token = joined.starts.get(at)
         bare = core(token.text) if token else ""
-        entry = self._abbreviations.get(bare) if bare and token and token.text.startswith(bare) else None
-        return Reading([*entry.one.split()], at, at + len(bare)) if entry else None
+        if not bare or not token or not token.text.startswith(bare):
+            return None
+        for form in (bare, bare.removesuffix(".")):
+            if entry := self._abbreviations.get(form):
+                return Reading([*entry.one.split()], at, at + len(form))
+        return None
 
     def _dotted(self, text: str, at: int) -> Reading | None:
         """An abbreviation with points in it, or initials, and the ending of a possessive."""
