@@ -139,10 +139,10 @@ class Normaliser:
     def _starts(self, token: Token, before: str) -> bool:
         """Whether a pattern may begin with this word."""
         word = token.word
-        places = self._starters.get(word) or (
-            len(word) < len(token.text) and self._starters.get(_signed(token))
-        )
-        return bool(places) and any(self._patterns.may_begin(place, before) for place in places or ())
+        places = self._starters.get(word, ())
+        if len(word) < len(token.text):
+            places += self._starters.get(_signed(token), ())
+        return any(self._patterns.may_begin(place, before) for place in places)
 
     def _spoken(self, token: Token) -> Sequence[Spoken]:
         """What a token is read as: mark-up or the vocabulary may say it."""
@@ -248,8 +248,9 @@ class Normaliser:
             if not begins:
                 return ()
             written = word.group() if (word := _STARTER.match(text, at)) else sign
-            named = self._starters.get(written) or self._starters.get(written.rstrip(".$'")) or ()
-            return ("start", *named, "word")
+            end = at + len(written)
+            forms = dict.fromkeys((text[at : end + 1], written, written.rstrip(".$'")))
+            return ("start", *[place for form in forms for place in self._starters.get(form, ())], "word")
         if _NUMERIC.match(text, at):
             return (
                 ("start", "digit", "word") if begins else ("digit", "mark") if sign in _SIGNS else ("digit",)

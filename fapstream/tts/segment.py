@@ -54,6 +54,8 @@ _AREA = re.compile(r"\(\d{1,3}\)[-\d]{0,20}")
 """A part of a telephone number."""
 _DAY = re.compile(r"(?:[12]\d|3[01]|[1-9])(?:st|nd|rd|th)?,")
 _YEAR = re.compile(r"(?:1\d|20)\d\d(?!\d)")
+_ROMAN = re.compile("[IVXLC]{2,8}|[VX]")
+"""Numbers, that is; one I is a word."""
 _TAIL = re.compile(r"([.!?;:,·…\u037e\u0387]+)[" + re.escape(_CLOSERS) + "]*$")
 _MARKS: Final = ",.!?:"
 _NO_LETTERS = r"\W\d_²³¹¼-¾\u2070-\u2089\u2150-\u2189"
@@ -353,12 +355,14 @@ def core(text: str) -> str:
 def ends_before(stop: str, following: str, openings: Collection[str] = ()) -> bool:
     """Whether a stop of UNDECIDED turns out to end the phrase, given the next token's text: `capital` if it
     begins with one (and is one of `openings`, if there are any: a sentence may end before `The` but not
-    before `President`), `number` unless it begins with a digit, `date` unless it is a year, `wrapped` unless
-    it begins with a small letter."""
+    before `President`), `number` unless it begins with a digit or is a Roman number, `date` unless it is a
+    year, `wrapped` unless it begins with a small letter."""
     text = following.lstrip(_OPENERS)
     first = text[:1]
     if stop == "capital":
         return first.isupper() and (not openings or text.rstrip(_CLOSERS + ",") in openings)
     if stop == "date":
         return not _YEAR.match(text)
-    return not first.islower() if stop == "wrapped" else not first.isdigit()
+    if stop == "wrapped":
+        return not first.islower()
+    return not (first.isdigit() or _ROMAN.fullmatch(text.rstrip(_CLOSERS + ".,;:!?")))
