@@ -125,7 +125,7 @@ class FrontEnd:
         self._said = True
         if self._undecided:
             undecided, self._undecided = self._undecided, ""
-            if ends_before(undecided, token.text, self._language.openings):
+            if ends_before(undecided, token.text, self._language.openings, self._language.inside):
                 self._close(UNDECIDED[undecided])
         stop = token.stop
         if not stop:

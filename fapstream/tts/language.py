@@ -39,6 +39,9 @@ class Language:
     openings: frozenset[str]
     """Words that begin a sentence after an abbreviation; empty if any capital does."""
 
+    inside: frozenset[str]
+    """Words with a capital that begin none."""
+
     def warm(self) -> None:
         """Everything that would otherwise be made ready when it is first met. Raises DataError."""
         self.normalise.warm()
@@ -85,6 +88,7 @@ def language(name: str) -> Language:
         question_words=question_words(name),
         numerals=frozenset(numerals.units),
         openings=frozenset(vocabulary.classes.get("opening", ())),
+        inside=frozenset(vocabulary.classes["compass"]),
     )
 
 

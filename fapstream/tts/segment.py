@@ -352,15 +352,18 @@ def core(text: str) -> str:
     return text.lstrip(_OPENERS).rstrip(_CLOSERS + "!?;:,·…\u037e\u0387")
 
 
-def ends_before(stop: str, following: str, openings: Collection[str] = ()) -> bool:
+def ends_before(
+    stop: str, following: str, openings: Collection[str] = (), inside: Collection[str] = ()
+) -> bool:
     """Whether a stop of UNDECIDED turns out to end the phrase, given the next token's text: `capital` if it
-    begins with one (and is one of `openings`, if there are any: a sentence may end before `The` but not
-    before `President`), `number` unless it begins with a digit or is a Roman number, `date` unless it is a
-    year, `wrapped` unless it begins with a small letter."""
+    begins with one and is one of `openings`, if there are any (a sentence may end before `The` but not before
+    `President`), and none of `inside` (directions after a distance); `number` unless it begins with a digit
+    or is a Roman number; `date` unless it is a year; `wrapped` unless it begins with a small letter."""
     text = following.lstrip(_OPENERS)
     first = text[:1]
     if stop == "capital":
-        return first.isupper() and (not openings or text.rstrip(_CLOSERS + ",") in openings)
+        word = text.rstrip(_CLOSERS + ",")
+        return first.isupper() and word not in inside and (not openings or word in openings)
     if stop == "date":
         return not _YEAR.match(text)
     if stop == "wrapped":
