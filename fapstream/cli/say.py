@@ -8,7 +8,7 @@ import codecs
 import json
 import sys
 import wave
-from contextlib import ExitStack, aclosing
+from contextlib import AsyncExitStack, aclosing
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +77,8 @@ async def _say(args: argparse.Namespace) -> None:
     files = any((args.wav, args.fap, args.pho, args.marks, args.explain))
     try:
         turn, wished, synthesizer = await _voice(args, pool)
-        with ExitStack() as stack:
+        async with AsyncExitStack() as stack:
+            stack.push_async_callback(synthesizer.aclose)
             sound = _sound(turn, stack) if args.play or not files else None
             sink = Sink(args, turn, stack)
             make = Explained if args.explain else Pipeline
@@ -109,7 +110,7 @@ async def _voice(args: argparse.Namespace, pool: VoicePool) -> tuple[TurnFormat,
     return TurnFormat(TURN, "timed", lang, voice.sample_rate, args.fps), manner(args, lang, complete), voice
 
 
-def _sound(turn: TurnFormat, stack: ExitStack) -> Sound:
+def _sound(turn: TurnFormat, stack: AsyncExitStack) -> Sound:
     """The sound card, waiting for the turn. Raises AudioUnavailable."""
     try:
         sound = Sound(turn.sample_rate, Output)
@@ -201,7 +202,7 @@ class Explained(Pipeline):
 class Sink:
     """The files asked for. Sound is written as it comes, the rest at the end."""
 
-    def __init__(self, args: argparse.Namespace, turn: TurnFormat, stack: ExitStack) -> None:
+    def __init__(self, args: argparse.Namespace, turn: TurnFormat, stack: AsyncExitStack) -> None:
         self._args = args
         self._turn = turn
         self._frames: list[FapFrame] = []

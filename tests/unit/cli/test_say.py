@@ -199,6 +199,22 @@ def test_what_cannot_be_done_exits_1(
     assert error.count("\n") == 1
 
 
+CHILDREN = Path(f"/proc/self/task/{os.getpid()}/children")
+
+
+@pytest.mark.skipif(not CHILDREN.exists(), reason="the kernel does not tell")
+def test_a_voice_is_given_back_when_a_file_cannot_be_written() -> None:
+    """Or its program would outlive the command's event loop."""
+    before = children()
+    assert main(["say", "Hello.", "--wav=/nowhere/at/all.wav"]) == 1
+    assert children() == before
+
+
+def children() -> set[str]:
+    """Processes that this one has started and that have not ended."""
+    return set(CHILDREN.read_text(encoding="ascii").split())
+
+
 @pytest.mark.parametrize(
     "argv",
     [
