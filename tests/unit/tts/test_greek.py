@@ -42,6 +42,65 @@ def test_words(word: str, phones: str) -> None:
 
 
 TOPICS = {
+    "said in one syllable": """
+        εννιακόσια e0 J a0 k o1 s C a0
+        εννιά e0 J a1
+        ασημένιοσ a0 s i0 m e1 J o0 s
+        χρυσαφένιοι x r i0 s a0 f e1 J i0
+        αρνίσιοσ a0 r n i1 s C o0 s
+        ίσιοσ i1 s C o0 s
+        ισιώνω i0 s C o1 n o0
+        φτυάρι f t C a1 r i0
+        φτιαγμένοσ f t C a0 G m e1 n o0 s
+        χωριανόσ x o0 r j a0 n o1 s
+        χωριάτησ x o0 r j a1 t i0 s
+        θειάφι T C a1 f i0
+        σμυρνιώτικοσ z m i0 r J o1 t i0 k o0 s
+        σταφιδιάζω s t a0 f i0 D j a1 z o0
+        μονοιάζω m o0 J a1 z o0
+        θεριεύω T e0 r j e1 v o0
+        φιλιώνω f i0 L o1 n o0
+        βαριοπούλα v a0 r j o0 p u1 l a0
+        λιοστάσι L o0 s t a1 s i0
+        καταπιώ k a0 t a0 p C o1
+        διαολεμένοσ D j a0 o0 l e0 m e1 n o0 s
+        διακονιάρησ D j a0 k o0 J a1 r i0 s
+        αδιάβαστοσ a0 D j a1 v a0 s t o0 s
+        διακόσιουσ D j a0 k o1 s C u0 s
+        διακοσίων D j a0 k o0 s i1 o0 n
+        διαβάστε D j a0 v a1 s t e0
+        διαβάσει D j a0 v a1 s i0
+        ποιοι p C i1
+        μιάμιση m J a1 m i0 s i0
+        καραμπινιέροσ k a0 r a0 m b i0 J e1 r o0 s
+    """,
+    "said in two syllables": """
+        αρμένιοσ a0 r m e1 n i0 o0 s
+        σελένιο s e0 l e1 n i0 o0
+        αφροδίσιοσ a0 f r o0 D i1 s i0 o0 s
+        διπλάσια D i0 p l a1 s i0 a0
+        αξιέραστη a0 k s i0 e1 r a0 s t i0
+        αδέξια a0 D e1 k s i0 a0
+        θέσμια T e1 z m i0 a0
+        εργοστάσια e0 r G o0 s t a1 s i0 a0
+        τηλεσκόπια t i0 l e0 s k o1 p i0 a0
+        εμφύλια e0 m f i1 l i0 a0
+        εμβόλια e0 m v o1 l i0 a0
+        παγκόσμια p a0 N g o1 z m i0 a0
+        νότια n o1 t i0 a0
+        παραμεθόριασ p a0 r a0 m e0 T o1 r i0 a0 s
+        εγκωμιάζω e0 N g o0 m i0 a1 z o0
+        ιδιάζων i0 D i0 a1 z o0 n
+        παραβιάζουν p a0 r a0 v i0 a1 z u0 n
+        αδιάσπαστοσ a0 D i0 a1 s p a0 s t o0 s
+        αδιάκοποσ a0 D i0 a1 k o0 p o0 s
+        ελευθεριών e0 l e0 f T e0 r i0 o1 n
+        κυριών c i0 r i0 o1 n
+        επιτόκια e0 p i0 t o1 c i0 a0
+        επιτόκιο e0 p i0 t o1 c i0 o0
+        ένφια e1 n f i0 a0
+        διαβάσεισ D i0 a0 v a1 s i0 s
+    """,
     "digraphs and diaeresis": """
         ουρανόσ        u0 r a0 n o1 s
         παιδεία        p e0 D i1 a0
