@@ -33,6 +33,18 @@ class TextTooLong(InputError):
         self.limit = limit
 
 
+class PhotoError(InputError):
+    """A photo cannot be used: no picture, too large, no face in it."""
+
+    code = "bad_photo"
+
+
+class PointsError(InputError):
+    """Feature points cannot be used: missing, outside the photo, on one line, no face."""
+
+    code = "bad_points"
+
+
 class UnknownName(InputError):
     """There is no such thing; the message says what there is."""
 

@@ -59,6 +59,26 @@ def lens(camera: Camera, fov_degrees: float, aspect: float, view: View = PORTRAI
     return Lens(matrix, _projection(view.zoom / half, aspect), position)
 
 
+def pinhole(
+    axes: Matrix,
+    position: NDArray[np.float64],
+    focal: float,
+    centre: tuple[float, float],
+    size: tuple[int, int],
+) -> Lens:
+    """The camera of a photo of `size` (width, height) pixels.
+
+    `axes` (3, 3): rows are the camera's right, up and backward; `position` (3,) metres; `focal` length and
+    principal point `centre` (x, y from the upper left corner) in pixels.
+    """
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = axes, -axes @ position
+    width, height = size
+    projection = _projection(2 * focal / height, width / height)
+    projection[0, 2], projection[1, 2] = 1 - 2 * centre[0] / width, 2 * centre[1] / height - 1
+    return Lens(matrix, projection, position)
+
+
 def _turn(yaw: float, pitch: float) -> Matrix:
     """From the camera's axes to the head's."""
     about_y = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])

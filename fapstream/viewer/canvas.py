@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fapstream.head.deform import Values
 from fapstream.head.mesh import Head
-from fapstream.viewer.camera import PORTRAIT, View
+from fapstream.viewer.camera import PORTRAIT, Lens, View
 from fapstream.viewer.graphics import open_context
 from fapstream.viewer.renderer import Renderer
 
@@ -53,7 +53,7 @@ class Studio:
         self._plain = Canvas(self._context, size, 0)
 
     def picture(
-        self, values: Values | NDArray[np.float64], view: View = PORTRAIT, backdrop: bool = True
+        self, values: Values | NDArray[np.float64], view: View | Lens = PORTRAIT, backdrop: bool = True
     ) -> Pixels:
         """The face under FAPs (68,): uint8 (height, width, 4), top row first.
 

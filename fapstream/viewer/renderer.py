@@ -11,7 +11,7 @@ from fapstream.head.deform import Values
 from fapstream.head.deformer import Deformer, head_turn
 from fapstream.head.mesh import Head
 from fapstream.viewer.backdrop import Backdrop
-from fapstream.viewer.camera import PORTRAIT, Matrix, View, lens
+from fapstream.viewer.camera import PORTRAIT, Lens, Matrix, View, lens
 from fapstream.viewer.graphics import SHADOW_UNIT, Drawn, Programs, column_major, textures_of, write
 from fapstream.viewer.look import Look, load_look
 from fapstream.viewer.shadow import Shadow
@@ -40,15 +40,17 @@ class Renderer:
             if drawn.shape.part.name in self._deformer.moved:
                 drawn.upload()
 
-    def draw(self, target: Any, view: View = PORTRAIT, backdrop: bool = True) -> None:
-        """Draw the face into the framebuffer `target`; without `backdrop` on nothing (alpha 0)."""
+    def draw(self, target: Any, view: View | Lens = PORTRAIT, backdrop: bool = True) -> None:
+        """Draw the face into the framebuffer `target`, as a portrait or through a lens of one's own; without
+        `backdrop` on nothing (alpha 0).
+        """
         self._shadow.draw(self._drawn)
         target.use()
         width, height = target.viewport[2:]
         target.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
         if backdrop:
             self._backdrop.draw()
-        camera = lens(self.head.camera, self._look.fov, width / height, view)
+        camera = view if isinstance(view, Lens) else self._portrait(width / height, view)
         self._shadow.texture.use(SHADOW_UNIT)
         gl = self.context
         gl.enable(gl.DEPTH_TEST | gl.BLEND)
@@ -58,6 +60,9 @@ class Renderer:
             target.depth_mask = drawn.shape.part.material.alpha != "BLEND"
             drawn.draw()
         target.depth_mask = True
+
+    def _portrait(self, aspect: float, view: View) -> Lens:
+        return lens(self.head.camera, self._look.fov, aspect, view)
 
     def _aim(self, drawn: Drawn, view: Matrix, projection: Matrix, position: NDArray[np.float64]) -> None:
         program = drawn.program

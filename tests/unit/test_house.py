@@ -30,6 +30,7 @@ ROOMS: dict[str, set[str]] = {
     "fap": set(),
     "motion": {"fap"},
     "head": {"fap"},
+    "adapt": {"fap", "head"},
     "stream": set(),
     "protocol": set(),
     "pipeline": {"tts", "motion", "fap", "stream"},
@@ -40,6 +41,7 @@ ROOMS: dict[str, set[str]] = {
     "viewer": {"adapters", "client", "fap", "head", "motion", "protocol", "stream"},
     "bridges": {"fap", "head", "stream"},
     "cli": {
+        "adapt",
         "adapters",
         "client",
         "fap",
@@ -58,6 +60,7 @@ ROOMS: dict[str, set[str]] = {
 IO_ROOMS = {"talk", "adapters", "server", "client", "viewer", "bridges", "cli"}
 
 THIRD_PARTY: dict[str, set[str]] = {
+    "adapt": {"scipy", "PIL", "skimage"},
     "protocol": {"msgpack"},
     "adapters": {"pyaudio", "espeakng_loader"},
     "server": {"websockets"},

@@ -105,12 +105,19 @@ def cut(source: Source, shape: Array) -> Bust:
     return Bust(shape, control, quads, step, skin, eyes, charts)
 
 
+def reshaped(bust: Bust, shape: Array) -> Array:
+    """Another shape of the base mesh as it would be cut, in the terms of this bust: its lips brought
+    together.
+    """
+    return _sealed(Rings(bust.quads), bust.step, shape, bust.control)
+
+
 def _sealed(rings: Rings, step: Subdivision, shape: Array, control: Ints) -> Array:
     """The shape with its lips brought together until the subdivided ones just touch."""
     loops = {}
     for pair, share in LIP_SEAL.items():
         top, bottom = (int(np.searchsorted(control, vertex)) for vertex in pair)
-        first = next(v for v in sorted(rings.neighbours[top]) if shape[control[v], 0] > 1e-3)
+        first = max(rings.neighbours[top], key=lambda v: shape[control[v], 0])
         loop = np.array(rings.follow(top, first))
         half = int(np.flatnonzero(loop == bottom)[0])
         order = np.arange(-half // 2 + 1, half // 2 + 1)
@@ -165,7 +172,7 @@ def _contour(rings: Rings, quads: Ints, control: Ints, points: Array, middle: in
     By x, not by arc: what is above one another on two contours has one place, and moves together.
     """
     top = int(np.searchsorted(control, middle))
-    first = next(v for v in sorted(rings.neighbours[top]) if points[v, 0] > 1e-3)
+    first = max(rings.neighbours[top], key=lambda v: points[v, 0])
     vertices = _with_midpoints(rings.follow(top, first), quads, len(control))
     across = points[vertices, 0]
     left, right = int(np.argmax(across)), int(np.argmin(across))
@@ -180,10 +187,7 @@ def _contour(rings: Rings, quads: Ints, control: Ints, points: Array, middle: in
 def _eye(
     source: Source, shape: Array, quads: Ints, charts: Ints, points: Array, count: int, side: str
 ) -> Eye:
-    ball = shape[np.unique(source.groups[f"helper-{side}-eye"].vertices)]
-    solved, *_ = np.linalg.lstsq(np.c_[2 * ball, np.ones(len(ball))], (ball**2).sum(1), rcond=None)
-    centre = solved[:3]
-    radius = 0.985 * float(np.sqrt(solved[3] + centre @ centre))
+    centre, radius = fit_ball(shape[np.unique(source.groups[f"helper-{side}-eye"].vertices)])
     low, high = LID_CHART[side]
     middle = points[quads].mean(1)[:, 0]
     socket = quads[(charts == 2) & (middle > low - 0.1) & (middle < high + 0.1)]
@@ -197,6 +201,15 @@ def _eye(
     ends = margin[[left, right]]
     lower = margin[~upper & ~np.isin(margin, ends)]
     return Eye(centre, radius, margin[upper], np.concatenate([lower, ends]))
+
+
+def fit_ball(points: Array) -> tuple[Array, float]:
+    """Centre (3,) and radius of an eyeball, which is a little smaller than the helper mesh (n, 3) round
+    it.
+    """
+    solved, *_ = np.linalg.lstsq(np.c_[2 * points, np.ones(len(points))], (points**2).sum(1), rcond=None)
+    centre = solved[:3]
+    return centre, 0.985 * float(np.sqrt(solved[3] + centre @ centre))
 
 
 def _outward(quads: Ints, loop: list[int], inside: set[int], count: int) -> list[int]:

@@ -39,6 +39,7 @@ class Source:
     base: NDArray[np.float64] = field(init=False)
     uvs: NDArray[np.float64] = field(init=False)
     groups: dict[str, Quads] = field(init=False)
+    _targets: dict[str, tuple[NDArray[np.int64], NDArray[np.float64]]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._zip = zipfile.ZipFile(self.path) if self.path.is_file() else None
@@ -52,10 +53,19 @@ class Source:
 
     def face_unit(self, name: str) -> NDArray[np.float64]:
         """Displacement (n, 3) of one of the 52 ARKit shapes at full strength."""
-        return self._target(self.read(f"{FACE_UNITS}{name}.target"))
+        return self._target(f"{FACE_UNITS}{name}.target")
+
+    def targets(self, folder: str) -> list[str]:
+        """Names of the identity targets in a folder."""
+        start, end = f"{MPFB}targets/{folder}/", ".target.gz"
+        if self._zip:
+            names = [n.removeprefix(start) for n in self._zip.namelist() if n.startswith(start)]
+        else:
+            names = [path.name for path in (self.path / start).iterdir()]
+        return sorted(n.removesuffix(end) for n in names if n.endswith(end) and "/" not in n)
 
     def target(self, name: str) -> NDArray[np.float64]:
-        return self._target(gzip.decompress(self.read(f"{MPFB}targets/{name}.target.gz")))
+        return self._target(f"{MPFB}targets/{name}.target.gz")
 
     def mask(self, name: str) -> NDArray[np.float64]:
         """A region mask in the base mesh's atlas, 0..1, row 0 at the top."""
@@ -91,11 +101,17 @@ class Source:
             np.add.at(total, pairs[:, 0].astype(int), pairs[:, 1])
         return total
 
-    def _target(self, text: bytes) -> NDArray[np.float64]:
-        rows = [line.split() for line in text.decode().splitlines() if line.strip() and line[0] != "#"]
+    def _target(self, name: str) -> NDArray[np.float64]:
+        """The target in a file; read once, for random persons ask for the same ones again and again."""
+        if name not in self._targets:
+            data = self.read(name)
+            text = (gzip.decompress(data) if name.endswith(".gz") else data).decode()
+            rows = [line.split()[:4] for line in text.splitlines() if line.strip() and line[0] != "#"]
+            table = np.array(rows, float).reshape(-1, 4)
+            self._targets[name] = table[:, 0].astype(int), table[:, 1:]
+        vertices, moves = self._targets[name]
         moved = np.zeros_like(self.base)
-        table = np.array([[float(cell) for cell in row[:4]] for row in rows]).reshape(-1, 4)
-        moved[table[:, 0].astype(int)] = table[:, 1:]
+        moved[vertices] = moves
         return moved
 
     def _obj(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64], dict[str, Quads]]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib import resources
 from itertools import product
 
 import numpy as np
@@ -20,7 +19,6 @@ from scipy.spatial import cKDTree
 
 from fapstream.fap import EXPRESSIONS, expressions, visemes
 from fapstream.head.deform import deform
-from fapstream.head.gltf import read_head
 from fapstream.head.mesh import Head
 from fapstream.motion import closure
 from fapstream.motion.idle import Idle, Look
@@ -29,10 +27,13 @@ from fapstream.motion.track import SpeechTrack
 from fapstream.motion.visemes import keyframes
 from fapstream.records import SILENCE, Phone
 from fapstream.tts import LANGUAGES, phone_set
+from tests.unit.adapt.persons import NAMES as PERSONS
+from tests.unit.adapt.persons import adapted
 from tests.unit.fakes import timed
+from tests.unit.head.packaged import NAMES, packaged
 
-FOLDER = resources.files("fapstream") / "assets/heads"
-HEADS = sorted(f.name for f in FOLDER.iterdir() if f.name.endswith(".glb"))
+HEADS = (*NAMES, *PERSONS)
+"""Those of the package, and some that were adapted to photos."""
 RATE, FPS = 16000, 25
 AHEAD = Idle(0.0, Look(0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 MOODS = (None, *EXPRESSIONS)
@@ -97,13 +98,13 @@ def _spread(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @cache
 def lips(name: str) -> Lips:
-    whole = read_head((FOLDER / name).read_bytes(), name)
+    whole = adapted(name) if name in PERSONS else packaged(name)
     parts = tuple(p for p in whole.parts if p.name in ("skin", "mouth"))
     names = [p.name for p in parts]
     head = replace(whole, parts=parts, fat=tuple(e for e in whole.fat if e.part in names), turns=())
     up, down = _moved(head, (4, 8, 9)), _moved(head, (5, 10, 11))
     rest, most = head.part("skin").positions.astype(np.float64), 200 / 1024 * head.fapu.mns0
-    middle = np.abs(rest[:, 0]) < 0.3 * head.fapu.mw0
+    middle = np.abs(rest[:, 0] - head.mouth.center[0]) < 0.3 * head.fapu.mw0
     upper = middle & (-up["skin"] > 0.6 * most) & (np.abs(up["skin"]) > np.abs(down["skin"]))
     lower = middle & (down["skin"] > 0.6 * most) & (np.abs(down["skin"]) > np.abs(up["skin"]))
     inside = {}
