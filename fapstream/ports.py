@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from fapstream.records import Speech, Utterance
+
+if TYPE_CHECKING:  # numpy's types and those of points, which speaking does without
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fapstream.adapt.points import Facing, Marks
 
 
 class Synthesizer(Protocol):
@@ -55,3 +61,21 @@ class Clock(Protocol):
 
     async def sleep_until(self, when: float) -> None:
         """Return at `when` or later."""
+
+
+class Landmarker(Protocol):
+    """Finds feature points in photos. `picture`: uint8 (height, width, 3), sRGB, upright."""
+
+    def front(self, picture: NDArray[np.uint8]) -> Marks:
+        """The points of a face that looks at the camera, with confidences.
+
+        Raises PhotoError: no face, more than one, one that is turned away.
+        """
+
+    def profile(self, picture: NDArray[np.uint8]) -> tuple[Marks, Facing]:
+        """The points of a face from the side, and where its nose points.
+
+        Those behind the outline have little confidence.
+
+        Raises PhotoError: more than one face, one that looks at the camera, no outline to be found.
+        """

@@ -137,10 +137,10 @@ def read_points(text: str, where: str = "points") -> PhotoPoints:
         _fail(where, "", f"is not JSON: {e}")
     if not isinstance(data, dict) or data.get("version") != VERSION:
         _fail(where, "version", f"is not {VERSION}: not a file of feature points")
-    front = _marks(data.get("front"), "front", where)
+    front = marks_of(data.get("front"), "front", where)
     if data.get("profile") is None:
         return PhotoPoints(front)
-    profile = _marks(data["profile"], "profile", where)
+    profile = marks_of(data["profile"], "profile", where)
     facing = data["profile"].get("facing") or facing_of(profile.points) or "right"
     if facing not in ("left", "right"):
         _fail(where, "profile.facing", "is neither left nor right")
@@ -163,7 +163,10 @@ def _row(marks: Marks) -> dict[str, Any]:
     return {"size": list(marks.size), "points": rows}
 
 
-def _marks(row: Any, view: View, where: str) -> Marks:
+def marks_of(row: Any, view: View, where: str) -> Marks:
+    """The points of one photo as `read_points` has them: {"size": [w, h], "points": {...}}. Raises
+    PointsError.
+    """
     if not isinstance(row, dict):
         _fail(where, view, "is missing or not an object")
     size = row.get("size")

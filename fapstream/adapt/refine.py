@@ -29,6 +29,8 @@ STRANGEST_M, STRANGEST_SHARE = 0.011, 0.1
 further off in a photo than the second, of the distance between the eyes and as a median, are no face, or
 not as it was said.
 """
+PORTRAIT_M = 0.36
+"""What a portrait shows of the world, metres."""
 MOST_TURNED = 0.6
 """Radians that a head may be turned from where the camera expects it."""
 EYES = 0.063
@@ -85,6 +87,10 @@ class Located:
     sights: Mapping[str, Sight]
     errors: Mapping[str, Floats]
 
+    def mean_error(self, view: str) -> float:
+        """Pixels, over the points of that photo."""
+        return float(np.nanmean(np.linalg.norm(self.errors[view], axis=1)))
+
     def eye_distance(self, view: str) -> float:
         """In pixels, at the scale of that photo."""
         return EYES * self.sights[view].camera.scale
@@ -129,8 +135,8 @@ def _check_face(found: Located, generic: Floats) -> None:
     worst = max(off, key=lambda view: off[view] / found.eye_distance(view))
     if not (unlike < STRANGEST_M and off[worst] < STRANGEST_SHARE * found.eye_distance(worst)):
         raise PointsError(
-            f"the points do not make a face (it would be {1000 * unlike:.0f} mm from an average one, "
-            f"and {off[worst]:.0f} pixels off in the {worst} photo): is left exchanged for right, or front for profile?"
+            f"the points do not make a face (it would be {1000 * unlike:.0f} mm from an average one, and "
+            f"{off[worst]:.0f} pixels off in the {worst} photo): are left and right, or photos, exchanged?"
         )
 
 
@@ -151,6 +157,19 @@ def first_sights(
     return {
         view: Sight(camera, marks[view].array(names), _noise(marks[view].sureness(names), camera, belief))
         for view, camera in cameras.items()
+    }
+
+
+def laid_over(photos: PhotoPoints, names: tuple[str, ...], generic: Floats) -> dict[str, Camera]:
+    """Cameras that see the generic head's points (n, 3) where the few points of each photo are, or in the
+    middle of a photo that has none.
+    """
+    marks = {"front": photos.front}
+    if photos.profile is not None:
+        marks["profile"] = _of_near_side(photos.profile, near_side(photos.facing))
+    looks = {"front": "front", "profile": photos.facing}
+    return {
+        view: _alone(row, looks[view], 1 / Belief().distance, names, generic) for view, row in marks.items()
     }
 
 
@@ -222,17 +241,22 @@ def _in_own_photo(
 
 
 def _alone(marks: Marks, look: str, closeness: float, names: tuple[str, ...], generic: Floats) -> Camera:
-    """A camera that looks straight, placed and scaled so that the generic head's points fall on those of
-    the photo.
+    """A camera that looks straight, placed and scaled so that the generic head's points fall on those of the
+    photo; in its middle if it has none, as large as portraits are if it has not two.
     """
     seen = marks.array(names)
     known = np.isfinite(seen[:, 0])
     centre = (marks.size[0] / 2, marks.size[1] / 2)
     straight = Camera(look, centre, generic.mean(0), 1.0, closeness, np.zeros(3), np.zeros(2))
     flat, wanted = straight.project(generic[known]) - centre, seen[known] - centre
+    if not known.any():
+        return replace(straight, scale=min(marks.size) / PORTRAIT_M)
     a, b = flat - flat.mean(0), wanted - wanted.mean(0)
-    scale = float(np.sqrt((b**2).sum() / (a**2).sum()))
-    return replace(straight, scale=scale, shift=(wanted.mean(0) / scale - flat.mean(0)) * (1, -1))
+    scale = float(np.sqrt((b**2).sum() / max(float((a**2).sum()), 1e-12)))
+    if not scale > 0:
+        scale = min(marks.size) / PORTRAIT_M
+    near = (1 / (1 - closeness * straight.inside(generic[known])[:, 2])).mean()
+    return replace(straight, scale=scale, shift=(wanted.mean(0) / scale - flat.mean(0)) / near * (1, -1))
 
 
 ROUNDS = 25

@@ -12,10 +12,11 @@ from importlib.resources.abc import Traversable
 from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.pool import VoicePool
 from fapstream.cli.arguments import port
+from fapstream.cli.editor import editor
 from fapstream.cli.heads import servable
 from fapstream.cli.manner import add_manner, manner
 from fapstream.errors import InputError, SynthesisError
-from fapstream.server import Service, Site, running
+from fapstream.server import Adapting, Service, Site, running
 from fapstream.tts import LANGUAGES, language
 
 HELP = "serve the page and the talking head"
@@ -63,7 +64,7 @@ async def _serve(args: argparse.Namespace, heads: dict[str, Traversable]) -> Non
         loop.add_signal_handler(number, stop.set)
     try:
         await _warm(pool, args.voice)
-        async with running(service, site, args.host, args.port) as server:
+        async with running(service, site, args.host, args.port, Adapting(editor)) as server:
             host, number = server.sockets[0].getsockname()[:2]
             print(f"fapstream speaks at http://{_shown(host)}:{number}/", flush=True)
             await stop.wait()

@@ -14,7 +14,9 @@ from websockets.exceptions import NegotiationError
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
+from fapstream.protocol import adapting
 from fapstream.protocol import generated as g
+from fapstream.server.adapting import Adapting
 from fapstream.server.connection import Connection, Service
 from fapstream.server.http import Answer, Site
 
@@ -28,13 +30,18 @@ GOODBYE_S = 2.0
 class App:
     """The server's state: who is connected."""
 
-    def __init__(self, service: Service, site: Site) -> None:
+    def __init__(self, service: Service, site: Site, pages: Adapting | None = None) -> None:
         self._service = service
         self._site = site
+        self._pages = pages
         self._connections: set[Connection] = set()
 
     async def handle(self, socket: ServerConnection) -> None:
         """One websocket from its handshake to its end."""
+        if socket.subprotocol == adapting.SUBPROTOCOL and self._pages:
+            socket.protocol.max_message_size = adapting.MAX_MESSAGE_BYTES
+            await self._pages.handle(socket)
+            return
         connection = Connection(socket, self._service)
         self._connections.add(connection)
         try:
@@ -45,9 +52,10 @@ class App:
     def http(self, socket: ServerConnection, request: Request) -> Response | None:
         """Answer a plain request; None lets a websocket handshake go on."""
         path = request.path.partition("?")[0]
-        if path == WEBSOCKET_PATH and "upgrade" in request.headers.get("Connection", "").lower():
+        sockets = (WEBSOCKET_PATH, adapting.PATH) if self._pages else (WEBSOCKET_PATH,)
+        if path in sockets and "upgrade" in request.headers.get("Connection", "").lower():
             return None
-        if path == WEBSOCKET_PATH:
+        if path in sockets:
             return _response(Answer(426, (("Upgrade", "websocket"),), b"This address speaks WebSocket.\n"))
         headers = request.headers
         return _response(
@@ -70,15 +78,23 @@ def _response(answer: Answer) -> Response:
 
 
 def _subprotocol(socket: ServerConnection, offered: Sequence[Subprotocol]) -> Subprotocol:
-    if g.SUBPROTOCOL not in offered:
-        raise NegotiationError(f"offer the subprotocol {g.SUBPROTOCOL}")
-    return Subprotocol(g.SUBPROTOCOL)
+    path = socket.request.path.partition("?")[0] if socket.request else ""
+    spoken = adapting.SUBPROTOCOL if path == adapting.PATH else g.SUBPROTOCOL
+    if spoken not in offered:
+        raise NegotiationError(f"offer the subprotocol {spoken}")
+    return Subprotocol(spoken)
 
 
 @asynccontextmanager
-async def running(service: Service, site: Site, host: str, port: int) -> AsyncIterator[Server]:
-    """The server, listening. Leaving says goodbye to everyone and closes. Raises OSError."""
-    app = App(service, site)
+async def running(
+    service: Service, site: Site, host: str, port: int, pages: Adapting | None = None
+) -> AsyncIterator[Server]:
+    """The server, listening; with `pages`, heads can be made at /adapt. Leaving says goodbye to everyone
+    and closes.
+
+    Raises OSError.
+    """
+    app = App(service, site, pages)
     async with serve(
         app.handle,
         host,

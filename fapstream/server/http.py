@@ -97,7 +97,8 @@ class Site:
         if match := HEAD.fullmatch(path):
             return self._heads.get(self.heads[0] if match[1] == DEFAULT_HEAD else match[1])
         if match := PAGE.fullmatch(path):
-            return _pages().get(match[1] or "index.html")
+            name = match[1] or "index.html"
+            return _pages().get(name) or _pages().get(f"{name}.html")
         return None
 
 

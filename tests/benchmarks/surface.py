@@ -55,6 +55,15 @@ def to_triangles(points: Floats, corners: Floats) -> Floats:
     return np.where(inside, np.abs(over) * np.sqrt(size), best)
 
 
+def areas(points: Floats, triangles: Ints) -> Floats:
+    """(n,): a third of the area of the triangles round each vertex."""
+    size = np.linalg.norm(normals(points, triangles), axis=1) / 6
+    total = np.zeros(len(points))
+    for corner in triangles.T:
+        np.add.at(total, corner, size)
+    return total
+
+
 def normals(points: Floats, triangles: Ints) -> Floats:
     """Of triangles (m, 3), not of unit length."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
@@ -62,7 +71,7 @@ def normals(points: Floats, triangles: Ints) -> Floats:
 
 
 def flipped(before: Floats, after: Floats, triangles: Ints) -> int:
-    """How many triangles face the other way, once the head is turned back by `after`'s rotation."""
+    """How many triangles face the other way; `after` is aligned with `before`."""
     return int(((normals(before, triangles) * normals(after, triangles)).sum(1) <= 0).sum())
 
 

@@ -24,7 +24,7 @@ ROOMS: dict[str, set[str]] = {
     # room: the rooms it may import besides EVERYONE
     "errors": set(),
     "records": set(),
-    "ports": set(),
+    "ports": {"adapt"},
     "data": set(),
     "tts": set(),
     "fap": set(),
@@ -35,7 +35,7 @@ ROOMS: dict[str, set[str]] = {
     "protocol": set(),
     "pipeline": {"tts", "motion", "fap", "stream"},
     "talk": {"pipeline"},
-    "adapters": {"tts"},
+    "adapters": {"adapt", "tts"},
     "server": {"tts", "pipeline", "talk", "protocol", "stream"},
     "client": {"protocol"},
     "viewer": {"adapters", "client", "fap", "head", "motion", "protocol", "stream"},
@@ -60,9 +60,9 @@ ROOMS: dict[str, set[str]] = {
 IO_ROOMS = {"talk", "adapters", "server", "client", "viewer", "bridges", "cli"}
 
 THIRD_PARTY: dict[str, set[str]] = {
-    "adapt": {"scipy", "PIL", "skimage"},
+    "adapt": {"scipy", "PIL"},
     "protocol": {"msgpack"},
-    "adapters": {"pyaudio", "espeakng_loader"},
+    "adapters": {"pyaudio", "espeakng_loader", "ai_edge_litert"},
     "server": {"websockets"},
     "client": {"websockets"},
     "viewer": {"websockets", "moderngl", "glfw", "PIL"},

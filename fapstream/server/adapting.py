@@ -1,0 +1,113 @@
+"""The socket of the editor page joined to its session (protocol/ADAPT.md). The work is done in a thread."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from websockets.exceptions import ConnectionClosed
+
+from fapstream.errors import FapstreamError, RemoteProtocolError
+from fapstream.protocol import adapting
+from fapstream.server.connection import SEND_DEADLINE_S, Socket
+
+log = logging.getLogger("fapstream.server")
+
+Message = dict[str, Any]
+
+MOST_SESSIONS = 4
+"""Pages that adapt at the same time: each keeps photos in memory and the processor busy."""
+
+
+class Work(Protocol):
+    """What a session does with messages; without I/O, so it may run in a thread."""
+
+    def ready(self) -> Message:
+        """The first message."""
+
+    def answer(self, message: Message) -> Message:
+        """What to send for a message. Raises nothing."""
+
+
+class Adapting:
+    """The editor pages of a server. `make` makes a session; it raises FapstreamError where there can be
+    none.
+    """
+
+    def __init__(self, make: Callable[[Callable[[], float]], Work]) -> None:
+        self._make = make
+        self._pages = 0
+
+    async def handle(self, socket: Socket) -> None:
+        """One page from its handshake to its end."""
+        if self._pages >= MOST_SESSIONS:
+            await _say(socket, _failed("busy", "too many heads are being made here; try again in a minute"))
+            return
+        self._pages += 1
+        try:
+            work = await asyncio.to_thread(self._make, time.perf_counter)
+            await _Page(socket, work).run()
+        except FapstreamError as e:
+            await _say(socket, _failed(e.code, str(e)))
+        except ConnectionClosed:
+            pass
+        finally:
+            self._pages -= 1
+
+
+class _Page:
+    """One socket and its session. Messages are answered in turn; of waiting `points` only the newest is."""
+
+    def __init__(self, socket: Socket, work: Work) -> None:
+        self._socket, self._work = socket, work
+        self._waiting: list[Message] = []
+        self._came = asyncio.Event()
+
+    async def run(self) -> None:
+        await _say(self._socket, self._work.ready())
+        worker = asyncio.create_task(self._answer())
+        reader = asyncio.create_task(self._read())
+        done, rest = await asyncio.wait((worker, reader), return_when=asyncio.FIRST_COMPLETED)
+        for task in rest:
+            task.cancel()
+        await asyncio.gather(*rest, return_exceptions=True)
+        for task in done:
+            task.result()
+
+    async def _read(self) -> None:
+        while True:
+            try:
+                message = adapting.decode(await self._socket.recv())
+            except RemoteProtocolError as e:
+                await _say(self._socket, _failed(e.code, str(e)))
+                return
+            if message["type"] == "points":
+                self._waiting = [m for m in self._waiting if m["type"] != "points"]
+            if len(self._waiting) >= MOST_WAITING:
+                await _say(self._socket, {"type": "error", "code": "busy", "message": "one thing at a time"})
+                continue
+            self._waiting.append(message)
+            self._came.set()
+
+    async def _answer(self) -> None:
+        while True:
+            await self._came.wait()
+            self._came.clear()
+            while self._waiting:
+                message = self._waiting.pop(0)
+                await _say(self._socket, await asyncio.to_thread(self._work.answer, message))
+
+
+MOST_WAITING = 4
+
+
+async def _say(socket: Socket, message: Mapping[str, Any]) -> None:
+    async with asyncio.timeout(SEND_DEADLINE_S):
+        await socket.send(adapting.encode(message))
+
+
+def _failed(code: str, message: str) -> Message:
+    return {"type": "error", "code": code, "message": message, "fatal": True}

@@ -1,0 +1,159 @@
+"""The editor page's socket: one thing at a time, only the newest points, and no more pages than there may
+be.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+from websockets.typing import Subprotocol
+
+from fapstream.errors import InputError
+from fapstream.protocol import adapting
+from fapstream.protocol.adapting import decode, encode
+from fapstream.server import Adapting, Site, running
+from fapstream.server.adapting import MOST_SESSIONS, MOST_WAITING, Message
+from tests.unit.server.peer import FakeSocket
+from tests.unit.server.test_app import port, service
+
+
+class Work:
+    """Answers with what it was given; may be held up."""
+
+    def __init__(self) -> None:
+        self.free = threading.Event()
+        self.free.set()
+        self.seen: list[Message] = []
+
+    def ready(self) -> Message:
+        return {"type": "ready"}
+
+    def answer(self, message: Message) -> Message:
+        self.seen.append(message)
+        self.free.wait(5)
+        return {"type": "fit", "seq": message.get("seq"), "size": len(message.get("data", b""))}
+
+
+class Page:
+    """A page on a fake socket."""
+
+    def __init__(self, work: Work | None = None, pages: Adapting | None = None) -> None:
+        self.work = work or Work()
+        self.socket = FakeSocket()
+        self.task = asyncio.create_task((pages or Adapting(lambda clock: self.work)).handle(self.socket))
+
+    async def get(self) -> dict[str, Any]:
+        return decode(await asyncio.wait_for(self.socket.to_client.get(), 5))
+
+    def say(self, **message: Any) -> None:
+        self.socket.to_server.put_nowait(encode(message))
+
+    async def leave(self) -> None:
+        self.socket.to_server.put_nowait(None)
+        await asyncio.wait_for(self.task, 5)
+
+
+async def test_messages_are_answered_in_turn() -> None:
+    page = Page()
+    assert (await page.get())["type"] == "ready"
+    page.say(type="photo", seq=1, data=b"123")
+    page.say(type="head", seq=2)
+    assert [(await page.get())["seq"] for _ in range(2)] == [1, 2]
+    await page.leave()
+
+
+async def test_points_that_are_overtaken_are_not_answered() -> None:
+    page = Page()
+    await page.get()
+    page.work.free.clear()
+    page.say(type="points", seq=1)
+    while not page.work.seen:
+        await asyncio.sleep(0)
+    for seq in (2, 3, 4):
+        page.say(type="points", seq=seq)
+    while page.socket.to_server.qsize():
+        await asyncio.sleep(0)
+    page.work.free.set()
+    assert [(await page.get())["seq"] for _ in range(2)] == [1, 4]
+    await page.leave()
+    assert [m["seq"] for m in page.work.seen] == [1, 4]
+
+
+async def test_who_asks_for_too_much_at_once_is_told() -> None:
+    page = Page()
+    await page.get()
+    page.work.free.clear()
+    for seq in range(MOST_WAITING + 3):
+        page.say(type="photo", seq=seq, data=b"")
+    assert (await page.get())["code"] == "busy"
+    page.work.free.set()
+    assert (await page.get())["type"] in ("fit", "error")
+    await page.leave()
+
+
+@pytest.mark.parametrize("data", [b"\xc1", "text", b"\x80"])
+async def test_what_is_no_message_ends_the_page(data: bytes | str) -> None:
+    page = Page()
+    await page.get()
+    page.socket.to_server.put_nowait(data)
+    answer = await page.get()
+    assert (answer["type"], answer["fatal"]) == ("error", True)
+    await asyncio.wait_for(page.task, 5)
+
+
+async def test_a_server_that_cannot_says_why() -> None:
+    def refused(clock: Callable[[], float]) -> Work:
+        raise InputError("pip install something")
+
+    page = Page(pages=Adapting(refused))
+    answer = await page.get()
+    assert answer["fatal"]
+    assert "something" in answer["message"]
+    await asyncio.wait_for(page.task, 5)
+
+
+async def test_only_so_many_pages_at_once() -> None:
+    works = [Work() for _ in range(MOST_SESSIONS + 1)]
+    rest = iter(works)
+    pages = Adapting(lambda clock: next(rest))
+    opened = [Page(pages=pages) for _ in range(MOST_SESSIONS)]
+    for page in opened:
+        assert (await page.get())["type"] == "ready"
+    late = Page(pages=pages)
+    assert (await late.get())["code"] == "busy"
+    await opened[0].leave()
+    again = Page(pages=pages)
+    assert (await again.get())["type"] == "ready"
+    for page in (*opened[1:], again):
+        await page.leave()
+
+
+async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
+    made = Work()
+    async with running(service(), Site(), "127.0.0.1", 0, Adapting(lambda clock: made)) as server:
+        url = f"ws://127.0.0.1:{port(server)}"
+        spoken = [Subprotocol(adapting.SUBPROTOCOL)]
+        async with connect(url + adapting.PATH, subprotocols=spoken) as socket:
+            assert decode(await socket.recv())["type"] == "ready"
+            await socket.send(encode({"type": "photo", "seq": 1, "data": bytes(8 << 20)}))
+            assert decode(await socket.recv())["size"] == 8 << 20
+        with pytest.raises(InvalidStatus):
+            await connect(url + "/ws", subprotocols=spoken)
+        with pytest.raises(InvalidStatus):
+            await connect(url + adapting.PATH, subprotocols=[Subprotocol("fapstream.v1")])
+
+
+async def test_a_server_without_an_editor_has_no_such_socket() -> None:
+    async with running(service(), Site(), "127.0.0.1", 0) as server:
+        with pytest.raises(InvalidStatus) as e:
+            await connect(
+                f"ws://127.0.0.1:{port(server)}{adapting.PATH}",
+                subprotocols=[Subprotocol(adapting.SUBPROTOCOL)],
+            )
+        assert e.value.response.status_code == 404
