@@ -60,7 +60,7 @@ def nearest(hits: Cover, closeness: Floats, size: tuple[int, int]) -> tuple[Ints
 def _covers(points: Floats, triangles: Ints, size: tuple[int, int]) -> Iterator[Cover]:
     """By size of the triangles, so that those of a group can share a square of pixels each."""
     corners = points[triangles]
-    sound = np.isfinite(corners).all((1, 2))
+    sound = np.asarray(np.isfinite(corners).all((1, 2)))
     corners = np.where(sound[:, None, None], corners, -1.0)
     low = np.maximum(np.ceil(corners.min(1) - 0.5), 0).astype(np.int64)
     high = np.minimum(np.floor(corners.max(1) - 0.5), np.array(size) - 1).astype(np.int64)
