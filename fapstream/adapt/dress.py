@@ -1,4 +1,6 @@
-"""What is not skin in the person's colours: irises, hair; and no brows besides those in the photo."""
+"""What is not skin in the person's colours: irises, hair, clothes; and no brows besides those in the
+photo.
+"""
 
 from __future__ import annotations
 
@@ -28,6 +30,10 @@ EYE_SHOWN = (0.50, 0.43, 0.42)
 """Light that the clients show of an iris for a light of 1 in its picture; measured on the packaged heads."""
 HAIR_POWER, HAIR_FACTOR = 1.5, 1.76
 """Luminance in the picture of hair = factor * (luminance shown) ^ power; measured likewise."""
+CLOTH_FACTOR = 1.3
+"""Light in the picture of cloth for a light of 1 shown; measured likewise."""
+SQUARE = 0.3
+"""Cosine between the surface and the way to the camera from which on something is seen squarely."""
 MOST_CHANGED = 12.0
 """A channel of a picture is made at most so many times lighter or darker."""
 BRIGHT = 0.6
@@ -39,13 +45,15 @@ LIKE_SKIN, LIKE_BACKDROP = 0.45, 0.35
 
 
 def dressed(head: Head, generic: Head, photos: Mapping[str, Photo]) -> Head:
-    """The head with eyes and hair recoloured after the photos, as far as they show them."""
+    """The head with eyes, hair and clothes recoloured after the photos, as far as they show them."""
     parts = []
     for part in head.parts:
         if part.name.startswith("eye") and "front" in photos:
             part = _with_iris(part, head, photos["front"])
         elif part.name.startswith("hair"):
             part = _with_hair_colour(part, head, photos)
+        elif part.name.startswith("shirt") and "front" in photos:
+            part = _with_cloth_colour(part, head, {"front": photos["front"]})
         elif part.name == "lashes":
             part = _without_brows(part, generic)
         parts.append(part)
@@ -90,34 +98,45 @@ def _with_iris(part: Part, head: Head, front: Photo) -> Part:
     return _with_picture(part, light, kind)
 
 
-def hair_colour(head: Head, part: Part, photos: Mapping[str, Photo]) -> Floats | None:
-    """The light (3,) of hair in the photos: what lies under the head's hair there and is neither like the
-    skin nor like what is behind the head; None where nothing is left.
+def colour_under(head: Head, part: Part, photos: Mapping[str, Photo]) -> Floats | None:
+    """The light (3,) of hair or clothes in the photos: what lies under that part there and is neither like
+    the skin nor like what is behind the head; None where nothing is left.
     """
     found = []
     for photo in photos.values():
-        places = part.positions.astype(np.float64)
-        away = photo.camera.position - places
-        away /= np.linalg.norm(away, axis=1, keepdims=True)
-        facing = (part.normals * away).sum(1) > 0.3
-        at = photo.camera.project(places[facing]).astype(np.int64)
-        height, width = photo.pixels.shape[:2]
-        inside = ((at >= 0) & (at < (width, height))).all(1)
         light = linear(ndimage.uniform_filter(photo.pixels, (3, 3, 0)))
-        under = light[at[inside, 1], at[inside, 0]]
-        backdrop = np.median(np.concatenate([light[:8].reshape(-1, 3), light[:, :4].reshape(-1, 3)]), axis=0)
-        cheek = photo.camera.project(np.array([head.fdp["5.3"], head.fdp["5.4"], head.fdp["9.12"]])).astype(
-            np.int64
-        )
-        cheek = np.clip(cheek, 0, (width - 1, height - 1))
-        skin = np.median(light[cheek[:, 1], cheek[:, 0]], axis=0)
-        unlike = (_gap(under, skin) > LIKE_SKIN) & (_gap(under, backdrop) > LIKE_BACKDROP)
+        under, skin = (_pixels(light, photo, places) for places in (_facing(part, photo), _cheeks(head)))
+        backdrop = np.concatenate([light[:8].reshape(-1, 3), light[:, :4].reshape(-1, 3)])
+        unlike = _gap(under, np.median(backdrop, axis=0)) > LIKE_BACKDROP
+        if len(skin):
+            unlike &= _gap(under, np.median(skin, axis=0)) > LIKE_SKIN
         found.append(under[unlike])
     pixels = np.concatenate(found) if found else np.zeros((0, 3))
     if len(pixels) < FEWEST:
         return None
     colour: Floats = np.median(pixels, axis=0)
     return colour
+
+
+def _facing(part: Part, photo: Photo) -> NDArray[np.float64]:
+    """Vertices of a part that face the camera: (n, 3)."""
+    places = part.positions.astype(np.float64)
+    away = photo.camera.position - places
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    square: NDArray[np.float64] = places[(part.normals * away).sum(1) > SQUARE]
+    return square
+
+
+def _cheeks(head: Head) -> NDArray[np.float64]:
+    return np.array([head.fdp[name] for name in CHEEKS if name in head.fdp], np.float64).reshape(-1, 3)
+
+
+def _pixels(light: Floats, photo: Photo, places: NDArray[np.float64]) -> Floats:
+    """What a photo has at places (n, 3), as far as they are in it: (k, 3)."""
+    at = np.floor(photo.camera.project(places)).astype(np.int64)
+    inside = ((at >= 0) & (at < (light.shape[1], light.shape[0]))).all(1)
+    found: Floats = light[at[inside, 1], at[inside, 0]]
+    return found
 
 
 def _gap(light: Floats, other: Floats) -> Floats:
@@ -127,15 +146,25 @@ def _gap(light: Floats, other: Floats) -> Floats:
 
 
 def _with_hair_colour(part: Part, head: Head, photos: Mapping[str, Photo]) -> Part:
-    colour = hair_colour(head, part, photos)
-    if colour is None or part.material.texture is None:
+    colour = colour_under(head, part, photos)
+    if colour is None:
+        return part
+    level = float(colour @ LUMINANCE)
+    return _recoloured(part, colour * HAIR_FACTOR * level ** (HAIR_POWER - 1))
+
+
+def _with_cloth_colour(part: Part, head: Head, photos: Mapping[str, Photo]) -> Part:
+    colour = colour_under(head, part, photos)
+    return part if colour is None else _recoloured(part, CLOTH_FACTOR * colour)
+
+
+def _recoloured(part: Part, wanted: Floats) -> Part:
+    """The part with its picture brought to another colour (3,) on the whole."""
+    if part.material.texture is None:
         return part
     light, kind = _light(part.material.texture)
     shown = light[..., 3] > 0.5 if light.shape[2] == 4 else np.ones(light.shape[:2], bool)
-    level = float(colour @ LUMINANCE)
-    wanted = colour * HAIR_FACTOR * level ** (HAIR_POWER - 1)
-    factor = _change(wanted, np.median(light[shown][:, :3], axis=0))
-    light[..., :3] *= factor
+    light[..., :3] *= _change(wanted, np.median(light[shown][:, :3], axis=0))
     return _with_picture(part, light, kind)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image as Picture
 
-from fapstream.adapt.dress import dressed, hair_colour, iris_colour
+from fapstream.adapt.dress import colour_under, dressed, iris_colour
 from fapstream.adapt.layers import Photo
 from fapstream.adapt.shading import LUMINANCE, encoded, linear
 from tests.unit.adapt.painted import PERSON, SIZE, photographed, plain
@@ -63,7 +63,7 @@ def picture_of(head: object, name: str) -> np.ndarray:
 @pytest.mark.parametrize("hair", [RED, np.array([0.030, 0.025, 0.020])])
 def test_hair_takes_the_colour_of_the_photos(hair: np.ndarray) -> None:
     photos, head = with_eyes_and_hair(hair), adapted(PERSON)
-    found = hair_colour(head, head.part("hair"), photos)
+    found = colour_under(head, head.part("hair"), photos)
     assert found is not None
     np.testing.assert_allclose(found, hair, rtol=0.15)
     new, old = (picture_of(h, "hair") for h in (dressed(head, packaged(), photos), head))
@@ -73,10 +73,24 @@ def test_hair_takes_the_colour_of_the_photos(hair: np.ndarray) -> None:
     np.testing.assert_allclose(middle / (middle @ LUMINANCE), hair / (hair @ LUMINANCE), rtol=0.15)
 
 
+def test_clothes_take_the_colour_of_the_front_photo() -> None:
+    head, green = adapted(PERSON), np.array([0.05, 0.30, 0.10])
+    photos = dict(photographed(plain))
+    pixels = photos["front"].pixels.copy()
+    pixels[400:, 60:440] = encoded(green)
+    photos["front"] = Photo(pixels, photos["front"].camera)
+    found = colour_under(head, head.part("shirt"), {"front": photos["front"]})
+    assert found is not None
+    np.testing.assert_allclose(found, green, rtol=0.2)
+    shirt = linear(picture_of(dressed(head, packaged(), photos), "shirt")[..., :3]).mean((0, 1))
+    assert shirt[1] > 2 * shirt[0]
+    assert shirt[1] > 2 * shirt[2]
+
+
 def test_photos_without_hair_leave_it() -> None:
     head = adapted(PERSON)
     bare = {view: Photo(np.full_like(p.pixels, 180), p.camera) for view, p in photographed(plain).items()}
-    assert hair_colour(head, head.part("hair"), bare) is None
+    assert colour_under(head, head.part("hair"), bare) is None
     assert np.array_equal(picture_of(dressed(head, packaged(), bare), "hair"), picture_of(head, "hair"))
 
 
