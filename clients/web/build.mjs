@@ -12,7 +12,9 @@ const LIMIT_KB = 200;
 const FOLDER = resolve(process.argv[2] ?? `${import.meta.dirname}/../../fapstream/server/web`);
 const OUT = pathToFileURL(`${FOLDER}/`);
 
-await build({ root: import.meta.dirname, logLevel: "warn", build: { outDir: FOLDER, emptyOutDir: true } });
+for (const mode of ["production", "adapt"]) {
+  await build({ root: import.meta.dirname, mode, logLevel: "warn", build: { outDir: FOLDER, emptyOutDir: mode === "production" } });
+}
 
 if (/\b(import|export)\b/.test(readFileSync(new URL("fap-worklet.js", OUT), "utf-8"))) {
   throw new Error("fap-worklet.js has to stand alone: some browsers load no modules into a worklet");

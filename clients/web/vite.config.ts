@@ -9,7 +9,16 @@ const banner = ({ name }: { name: string }) =>
 /** Where the server takes the client from; committed, so that a clone without Node can serve it. */
 const OUT = "../../fapstream/server/web";
 
-export default defineConfig({
+/**
+ * What is built in one go shares its modules. The editor is built by itself, with its own copy of the few it needs:
+ * pages that embed fap-head.js shall load one script, not two.
+ */
+const INPUTS: Record<string, Record<string, string>> = {
+  production: { "fap-head": "src/index.ts", "fap-worklet": "src/worklet/processor.ts", demo: "demo/demo.ts" },
+  adapt: { adapt: "adapt/adapt.ts" },
+};
+
+export default defineConfig(({ mode }) => ({
   publicDir: "public",
   build: {
     outDir: OUT,
@@ -20,11 +29,11 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
     minify: "oxc",
     rolldownOptions: {
-      input: { "fap-head": "src/index.ts", "fap-worklet": "src/worklet/processor.ts", demo: "demo/demo.ts" },
+      input: INPUTS[mode] ?? INPUTS.production,
       preserveEntrySignatures: "strict",
       external: [/fap-head\.js$/],
       output: { format: "es", entryFileNames: "[name].js", chunkFileNames: "[name].js", postBanner: banner },
     },
   },
   test: { include: ["test/**/*.test.ts"] },
-} as never);
+}) as never);

@@ -5,6 +5,7 @@ import { HeadFault } from "./client/turn";
 import { furnish } from "./look";
 import { Presenter } from "./presenter";
 import type { Ready } from "./protocol/generated";
+import { swing } from "./render/camera";
 import { Captions, type CaptionMark } from "./stream/captions";
 
 const BEAT_MS = 1000;
@@ -30,6 +31,8 @@ export class FapHead extends HTMLElement {
   private frameRequest = 0;
   private timer: ReturnType<typeof setInterval> | undefined;
   private lockedSince = 0;
+  /** When the head came into view. */
+  private shownAt = 0;
   /** What is wrong, by topic; the oldest is shown. */
   private readonly messages = new Map<string, string>();
 
@@ -114,11 +117,16 @@ export class FapHead extends HTMLElement {
     if (this.frameRequest || document.hidden || !this.presenter) return;
     this.frameRequest = requestAnimationFrame(() => {
       this.frameRequest = 0;
-      this.presenter?.frame(this.calm.matches);
+      this.presenter?.frame(this.calm.matches, this.yaw);
       if (this.lockedSince) this.refresh();
       this.schedule();
     });
   };
+
+  /** Where the camera of a turntable is now; who wants less motion sees the head from in front. */
+  private get yaw(): number {
+    return this.hasAttribute("turntable") && !this.calm.matches ? swing((performance.now() - this.shownAt) / 1000) : 0;
+  }
 
   private resize(): void {
     const { clientWidth, clientHeight } = this;
@@ -172,7 +180,7 @@ export class FapHead extends HTMLElement {
     if (name === "caption") this.captions.caption(detail as CaptionMark);
     if (name === "word") this.captions.word(detail as CaptionMark);
     if (name === "done" || name === "disconnected") this.captions.clear();
-    if (name === "head") this.canvas?.classList.add("ready");
+    if (name === "head") this.appear();
     if (name === "error") this.complain(detail as HeadFault);
     for (const topic of ANSWERS[name] ?? []) this.messages.delete(topic);
     if (name === "disconnected") this.messages.set("connection", "Connection lost. Trying again ...");
@@ -180,6 +188,11 @@ export class FapHead extends HTMLElement {
     const plain = detail instanceof HeadFault ? { code, message, fatal, ...(turn !== undefined && { turn }) } : detail;
     this.refresh();
     this.dispatchEvent(new CustomEvent(name, { detail: plain }));
+  }
+
+  private appear(): void {
+    this.shownAt = performance.now();
+    this.canvas?.classList.add("ready");
   }
 
   private complain({ code, message, fatal, turn }: HeadFault): void {

@@ -9,6 +9,7 @@ import { Sound } from "./io/audio";
 import { loadHead } from "./io/heads";
 import { Socket } from "./io/socket";
 import { Face } from "./motion/face";
+import { SUBPROTOCOL } from "./protocol/generated";
 import { Stage, type StageOptions } from "./render/stage";
 import type { Heard } from "./stream/heard";
 import type { Command, Report } from "./stream/player";
@@ -66,7 +67,7 @@ export class Presenter {
   ) {
     this.headUrl = options.headUrl;
     this.face = new Face(options.seed);
-    this.socket = new Socket(options.socketUrl, {
+    this.socket = new Socket(options.socketUrl, SUBPROTOCOL, {
       open: () => this.conversation.connected({ client: "fap-head 0.1.0", fps: options.fps }),
       message: (data) => this.conversation.received(data),
       close: (retryMs) => this.disconnected(retryMs),
@@ -119,12 +120,12 @@ export class Presenter {
     this.stage?.resize(width, height, pixelRatio);
   }
 
-  /** Draw the face of the sample heard now. `calm`: nothing but the lips moves. */
-  frame(calm: boolean): void {
+  /** Draw the face of the sample heard now, seen from `yaw` radians beside. `calm`: nothing but the lips moves. */
+  frame(calm: boolean, yaw: number): void {
     const now = performance.now();
     const heard = this.sound?.heard(now + this.lead) ?? null;
     const values = this.face.show(this.conversation.bufferOf(heard), heard, now / 1000, calm);
-    if (!this.stage?.draw(values)) return;
+    if (!this.stage?.draw(values, yaw)) return;
     this.stats.fps += FOLLOW * (1000 / Math.max(1, now - this.drawnAt) - this.stats.fps);
     this.shown = heard;
     this.drawnAt = now;

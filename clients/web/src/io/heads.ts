@@ -1,4 +1,4 @@
-/** Head files over HTTP, each fetched and read once a page. */
+/** Head files over HTTP, each fetched and read once a page; blobs, which pages make and drop, are not kept. */
 
 import { readAnyHead } from "../head/foreign";
 import { HeadError, type Head } from "../head/model";
@@ -10,6 +10,7 @@ export function loadHead(url: string): Promise<Head> {
   const known = heads.get(url);
   if (known) return known;
   const head = fetchHead(url);
+  if (url.startsWith("blob:")) return head;
   heads.set(url, head);
   head.catch(() => heads.delete(url));
   return head;

@@ -1,7 +1,5 @@
 /** A WebSocket that comes back: exponential back-off with jitter until it is stopped. */
 
-import { SUBPROTOCOL } from "../protocol/generated";
-
 const FIRST_MS = 500;
 const LONGEST_MS = 10_000;
 const STABLE_MS = 5_000;
@@ -24,11 +22,11 @@ export class Socket {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private attempt = 0;
 
-  constructor(private readonly url: string, private readonly events: SocketEvents) {}
+  constructor(private readonly url: string, private readonly subprotocol: string, private readonly events: SocketEvents) {}
 
   start(): void {
     if (this.socket) return;
-    const socket = new WebSocket(this.url, SUBPROTOCOL);
+    const socket = new WebSocket(this.url, this.subprotocol);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
     let opened = Infinity;

@@ -1,12 +1,12 @@
 /**
- * The part of MessagePack that protocol/SPEC.md section 2 uses, strictly: a float never passes for an
- * integer, a string is valid UTF-8, nothing follows the value. General decoders blur all three.
+ * The part of MessagePack that protocol/SPEC.md section 2 and protocol/ADAPT.md use, strictly: a float never passes
+ * for an integer, a string is valid UTF-8, nothing follows the value. General decoders blur all three.
  */
 
 export type Plain = null | boolean | number | string | Uint8Array | Float | Plain[] | PlainMap;
 export type PlainMap = Map<Plain, Plain>;
 
-/** A floating-point number on the wire; no field of the protocol takes one. */
+/** A floating-point number on the wire: of 64 bits when written. */
 export class Float {
   constructor(readonly value: number) {}
 }
@@ -104,7 +104,7 @@ class Reader {
   }
 }
 
-/** `value` in the shortest form. Numbers must be safe integers. Throws RangeError or TypeError. */
+/** `value` in the shortest form. Numbers must be safe integers; others go as `Float`. Throws RangeError or TypeError. */
 export function pack(value: Plain): Uint8Array<ArrayBuffer> {
   const writer = new Writer();
   writer.value(value);
@@ -128,7 +128,7 @@ class Writer {
     else if (value instanceof Uint8Array) this.binary(value);
     else if (Array.isArray(value)) this.array(value);
     else if (value instanceof Map) this.map(value);
-    else throw new TypeError("no floating-point number is ever sent");
+    else this.float(value);
   }
 
   private integer(n: number): void {
@@ -177,6 +177,12 @@ class Writer {
     const forms = least === 1 ? [1, 2, 4] : [2, 4];
     const step = forms.findIndex((bytes) => length < 2 ** (8 * bytes));
     this.tagged(tag + step, length, forms[step]);
+  }
+
+  private float({ value }: Float): void {
+    this.uint(0xcb, 1);
+    const at = this.room(8);
+    this.view.setFloat64(at, value);
   }
 
   private tagged(tag: number, n: number, bytes: number): void {

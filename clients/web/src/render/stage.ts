@@ -40,6 +40,7 @@ export class Stage {
   /** Pictures for which one shadow has to do. */
   private readonly shadowEvery: number;
   private pictures = 0;
+  private yaw = 0;
 
   /** Throws if there is no WebGL2. */
   constructor(private readonly canvas: HTMLCanvasElement, { capture, antialias }: StageOptions) {
@@ -70,9 +71,10 @@ export class Stage {
     this.aim();
   }
 
-  /** Draw the head with the FAPs `values` (69,). False if there is no head yet. */
-  draw(values: ArrayLike<number>): boolean {
+  /** Draw the head with the FAPs `values` (69,), seen from `yaw` radians beside. False if there is no head yet. */
+  draw(values: ArrayLike<number>, yaw = 0): boolean {
     if (!this.head) return false;
+    this.turn(yaw);
     this.pose(values);
     this.render();
     return true;
@@ -101,11 +103,17 @@ export class Stage {
     this.renderer.forceContextLoss();
   }
 
+  private turn(yaw: number): void {
+    if (yaw === this.yaw) return;
+    this.yaw = yaw;
+    this.aim();
+  }
+
   private aim(): void {
     if (!this.head) return;
     const { clientWidth: w, clientHeight: h } = this.canvas;
     this.camera.aspect = w && h ? w / h : 1;
-    const { position, target } = frame(this.head.camera, this.camera.fov, this.camera.aspect);
+    const { position, target } = frame(this.head.camera, this.camera.fov, this.camera.aspect, this.yaw);
     this.camera.position.set(...position);
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();

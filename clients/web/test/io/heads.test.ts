@@ -18,6 +18,15 @@ it("fetches a head once, for however many ask", async () => {
   expect(fetch).toHaveBeenCalledTimes(1);
 });
 
+it("reads a blob, and does not keep it", async () => {
+  const url = URL.createObjectURL(new Blob([smallHead() as Uint8Array<ArrayBuffer>]));
+  const head = await loadHead(url);
+  expect(head.parts.length).toBeGreaterThan(0);
+  expect(await loadHead(url)).not.toBe(head);
+  URL.revokeObjectURL(url);
+  await expect(loadHead(url)).rejects.toThrow(HeadError);
+});
+
 it.each([
   ["is not there", () => new Response("", { status: 404 })],
   ["is no head", () => new Response("hello")],

@@ -25,7 +25,11 @@ describe("against @msgpack/msgpack", () => {
 
 describe("strictness", () => {
   it("tells 1.0 from 1", () => expect(unpack(oracle(1, { forceIntegerToFloat: true }))).toEqual(new Float(1)));
-  it("never writes a float", () => expect(() => pack(1.5)).toThrow(RangeError));
+  it("never takes a float for an integer", () => expect(() => pack(1.5)).toThrow(RangeError));
+  it.each([1.5, 0, -1e300, Infinity])("writes %d as a float when told to", (value) => {
+    expect(pack(new Float(value))).toEqual(oracle(value, { forceIntegerToFloat: true }));
+    expect(unpack(pack(new Float(value)))).toEqual(new Float(value));
+  });
   it.each([
     ["nothing", []], ["a cut string", [0xa5, 0x61]], ["two values", [1, 2]], ["extension", [0xd4, 1, 1]],
     ["broken UTF-8", [0xa2, 0xc3, 0x28]], ["a surrogate", [0xa3, 0xed, 0xa0, 0x80]], ["byte c1", [0xc1]],
