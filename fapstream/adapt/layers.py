@@ -137,7 +137,9 @@ def seen(canvas: Canvas, photo: Photo, parts: Mapping[str, Part]) -> Layer:
 def without_light(canvas: Canvas, layer: Layer) -> Layer:
     """The layer with what is not the head's left out, and without the light that fell on it."""
     rough = layer.trust * skinlike(canvas, layer.light, layer.trust, SPREADS)
-    flat = unlit(layer.light, canvas.normals, rough)
+    seen = np.flatnonzero(layer.trust)
+    flat = layer.light.copy()
+    flat[seen] = unlit(layer.light[seen], canvas.normals[seen], rough[seen])
     like = skinlike(canvas, flat, layer.trust, EVEN_SPREADS)
     trust = smoothstep(*ENOUGH, layer.trust * like * smoothstep(*COLLAR, canvas.home[:, 1]))
     shrunk = ndimage.grey_erosion(canvas.picture(trust), ERODED)
@@ -175,24 +177,27 @@ def skinlike(canvas: Canvas, light: Floats, trust: Floats, spreads: tuple[float,
     """(k,), 0..1: how much a texel looks like the skin of the cheeks, or belongs to the face's own
     features; the rest is hair, clothes or what is behind the head.
     """
+    seen = np.flatnonzero(trust)
+    home, light = canvas.home[seen], light[seen]
     looks = np.log(np.maximum(np.stack([light[:, 0], light[:, 2], light @ LUMINANCE], 1), 1e-4))
     looks[:, :2] -= np.log(np.maximum(light[:, [1]], 1e-4))
-    x, y, z = np.abs(canvas.home[:, 0]), canvas.home[:, 1], canvas.home[:, 2]
-    cheek = (trust > 0.5) & (y > CHEEKS[1][0]) & (y < CHEEKS[1][1]) & (z > CHEEKS[2][0])
+    x, y, z = np.abs(home[:, 0]), home[:, 1], home[:, 2]
+    cheek = (trust[seen] > 0.5) & (y > CHEEKS[1][0]) & (y < CHEEKS[1][1]) & (z > CHEEKS[2][0])
     cheek &= (x > CHEEKS[0][0]) & (x < CHEEKS[0][1])
     if cheek.sum() < 100:
-        return np.ones(len(light))
+        return np.ones(len(trust))
     middle = np.median(looks[cheek], axis=0)
     spread = np.maximum(1.5 * np.median(np.abs(looks[cheek] - middle), axis=0), spreads)
     off = np.sqrt((((looks - middle) / spread) ** 2).sum(1))
-    skin = 1 - smoothstep(LIKE, UNLIKE, off)
+    skin, face, bare = (np.zeros(len(trust), np.float32) for _ in range(3))
+    skin[seen] = 1 - smoothstep(LIKE, UNLIKE, off)
     teeth = (x < MOUTH[0]) & (np.abs(y - MOUTH[1]) < MOUTH[2]) & (z > FRONT[0])
     teeth &= looks[:, 0] < middle[0] - TEETH
-    face = np.zeros(len(light))
-    for along, up, wide, high in FEATURES:
-        face = np.maximum(face, 1 - smoothstep(0.8, 1.1, np.hypot((x - along) / wide, (y - up) / high)))
-    kept: Floats = np.maximum(soft(canvas, skin, 2.5), face * smoothstep(*FRONT, z))
-    kept = kept * (1 - np.minimum(4 * soft(canvas, teeth.astype(np.float32), 3.0), 1))
+    bare[seen] = teeth
+    features = [1 - smoothstep(0.8, 1.1, np.hypot((x - a) / w, (y - b) / h)) for a, b, w, h in FEATURES]
+    face[seen] = np.max(features, axis=0) * smoothstep(*FRONT, z)
+    kept: Floats = np.maximum(soft(canvas, skin, 2.5), face)
+    kept = kept * (1 - np.minimum(4 * soft(canvas, bare, 3.0), 1))
     return kept
 
 

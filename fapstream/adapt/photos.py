@@ -43,9 +43,7 @@ def read_photo(data: bytes, where: str = "photo") -> NDArray[np.uint8]:
     except Picture.DecompressionBombError:
         raise PhotoError(f"{where}: has more than {MAX_PIXELS // 10**6} million pixels") from None
     except Exception as e:  # decoders raise whatever comes to their mind
-        raise PhotoError(
-            f"{where}: is no picture that can be read ({', '.join(FORMATS)}): {e}"[:300]
-        ) from None
+        raise PhotoError(f"{where}: is no picture that can be read ({', '.join(FORMATS)})") from e
 
 
 def _check(width: int, height: int, where: str) -> None:

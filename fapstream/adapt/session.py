@@ -119,7 +119,7 @@ class Session:
             marks, facing = self._finder.profile(pixels)
             return marks, facing, None
         except PhotoError as e:
-            return None, None, f"{e} You can place the points by hand."
+            return None, None, f"{_plain(e, view)}. You can place the points by hand."
 
     def _photo_points(self, message: Message) -> PhotoPoints:
         marks: dict[str, Marks] = {}
@@ -187,12 +187,18 @@ class Session:
 
 def error(e: FapstreamError, message: Mapping[str, Any]) -> Message:
     """An error as a message, about `message`."""
-    row: Message = {"type": "error", "code": e.code, "message": str(e)}
+    row: Message = {"type": "error", "code": e.code, "message": _plain(e, str(message.get("view")))}
     if type(message.get("seq")) is int:
         row["seq"] = message["seq"]
     if message.get("view") in get_args(View):
         row["view"] = message["view"]
     return row
+
+
+def _plain(e: FapstreamError, view: str) -> str:
+    """What is wrong, without the name of the photo: it is said beside the photo."""
+    text = str(e).removeprefix(f"{view}: ").rstrip(".")
+    return text[:1].upper() + text[1:]
 
 
 def wireframe(generic: Head) -> tuple[Floats, NDArray[np.int64]]:

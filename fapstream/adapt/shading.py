@@ -15,7 +15,7 @@ RENDERED = ((0.992, 0.227), (0.798, -0.060), (0.744, -0.160))
 ROUNDS = 6
 STIFF = 0.02
 """How much a coefficient costs, in mean squared log luminance."""
-EVERY = 7
+EVERY = 13
 """Light is fitted to one texel of so many."""
 OFF = 0.25
 """Log luminance that a texel may be off before it counts less: brows, nostrils, highlights."""

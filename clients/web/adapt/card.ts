@@ -27,10 +27,6 @@ export class Card {
     this.acceptDrops();
   }
 
-  private get filled(): boolean {
-    return this.root.classList.contains("filled");
-  }
-
   /** There is a photo now. */
   show(picture: ImageBitmap): void {
     this.root.classList.add("filled");
@@ -39,9 +35,7 @@ export class Card {
 
   mark(marks: Marks): void {
     this.photo.mark(marks);
-    const placed = [...marks.values()].filter(({ confidence }) => confidence === undefined).length;
-    const count = this.find(".count");
-    count.textContent = marks.size ? `${marks.size} points${placed ? `, ${placed} by hand` : ""}` : this.filled ? "" : count.dataset.empty!;
+    this.find(".count").textContent = marks.size ? `${marks.size} points` : "";
   }
 
   /** A sentence under the photo; `wrong` if it asks for something to be done. */

@@ -20,12 +20,15 @@ export function formatPoints(sheets: Sheets): string {
 }
 
 function row({ size, marks, facing }: Sheet): object {
-  const points = [...marks].map(([name, { at, confidence }]) => [name, [...at.map(round), ...(confidence === undefined ? [] : [Math.round(1000 * confidence) / 1000])]]);
+  const points = [...marks].map(([name, { at: [x, y], confidence }]) => {
+    const sure = confidence === undefined ? [] : [round(confidence, 3)];
+    return [name, [round(x, 2), round(y, 2), ...sure]];
+  });
   return { ...(facing && { facing }), size, points: Object.fromEntries(points) };
 }
 
-function round(pixels: number): number {
-  return Math.round(pixels * 100) / 100;
+function round(value: number, digits: number): number {
+  return Number(value.toFixed(digits));
 }
 
 /** What `formatPoints` wrote. Throws RangeError, saying where, for anything else. */

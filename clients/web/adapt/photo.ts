@@ -124,7 +124,8 @@ export class PhotoView {
       canvas.height = Math.round(clientHeight * ratio);
     }
     for (const context of [this.context, this.ground]) context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.look((port, size) => resized(port, before, size, this.box));
+    if (this.untouched) this.reset();
+    else this.look((port, size) => resized(port, before, size, this.box));
   }
 
   // --- hands

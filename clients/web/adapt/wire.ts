@@ -22,8 +22,7 @@ export interface HeadUp extends Omit<PointsUp, "type"> { type: "head"; name?: st
 export type ClientMessage = PhotoUp | PointsUp | HeadUp;
 
 export function encode(message: ClientMessage): Uint8Array<ArrayBuffer> {
-  const fields = Object.entries(message).filter(([, value]) => value !== undefined);
-  return pack(new Map(fields.map(([name, value]) => [name, value instanceof Map ? packMarks(value) : value])));
+  return pack(new Map(Object.entries(message).map(([name, value]) => [name, value instanceof Map ? packMarks(value) : value])));
 }
 
 function packMarks(marks: Marks): PlainMap {
