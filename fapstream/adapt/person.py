@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from fapstream.adapt.carry import carry
 from fapstream.adapt.dress import dressed
-from fapstream.adapt.fit import METHODS, Task
+from fapstream.adapt.fit import METHODS, Task, rigid
 from fapstream.adapt.layers import Photo
 from fapstream.adapt.points import Marks, PhotoPoints, generic_places
 from fapstream.adapt.refine import Located, locate
 from fapstream.adapt.texture import paint_skin
-from fapstream.adapt.warp import Warp
+from fapstream.adapt.warp import Warp, unfolded
 from fapstream.errors import InputError, PointsError
 from fapstream.head.mesh import Head
 
@@ -44,12 +44,17 @@ class Fit:
 
 
 def fit_points(generic: Head, photos: PhotoPoints, method: str = DEFAULT_METHOD) -> Fit:
-    """Raises PointsError for points that make no face, InputError for a method that there is not."""
+    """The fit; where the points would fold the face, as much of it as does not.
+
+    Raises PointsError for points that make no face, InputError for a method that there is not.
+    """
     if method not in METHODS:
         raise InputError(f"there is no method {method[:40]!r}; there are: {', '.join(METHODS)}")
     places = generic_places(generic.fdp)
     located = locate(photos, places)
-    return Fit(located, METHODS[method](Task.of(located, places, generic.fdp)))
+    task, skin = Task.of(located, places, generic.fdp), generic.part("skin")
+    points = skin.positions.astype(np.float64)
+    return Fit(located, unfolded(METHODS[method](task), rigid(task), points, skin.triangles))
 
 
 def make_head(

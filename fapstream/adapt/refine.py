@@ -5,16 +5,16 @@ cameras.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from fapstream.adapt.covariance import Covariance, precision
-from fapstream.adapt.points import Facing, Marks, PhotoPoints, feature_points, near_side
-from fapstream.adapt.rigid import Similarity
-from fapstream.adapt.views import Camera, PaperCameras, camera_of
+from fapstream.adapt.points import Marks, PhotoPoints
+from fapstream.adapt.start import USUAL_M, seen_side, start
+from fapstream.adapt.views import Camera
 from fapstream.errors import PointsError
 
 Floats = NDArray[np.float64]
@@ -29,14 +29,8 @@ STRANGEST_M, STRANGEST_SHARE = 0.011, 0.12
 third is further off in a photo than the second, of the distance between the eyes, are no face, or not as it
 was said.
 """
-PORTRAIT_M = 0.36
-"""What a portrait shows of the world, metres."""
-MOST_TURNED = 0.6
-"""Radians that a head may be turned from where the camera expects it."""
 EYES = 0.063
 """Metres between the eyes of the generic head, nearly."""
-FOCAL_SHARE = 1.6
-"""Focal length over the longer side of the photo, before anything is known: a portrait, cut a little."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +44,7 @@ class Belief:
 
     pixels: float = 0.004
     tail: float = 3.0
-    distance: float = 1.1
+    distance: float = USUAL_M
     distance_sd: float = 0.5
     tilt: float = 0.06
     faces: Covariance = field(default_factory=Covariance)
@@ -109,8 +103,18 @@ def locate(photos: PhotoPoints, places: Mapping[str, Floats], belief: Belief | N
     names = tuple(places)
     generic = np.array([places[name] for name in names])
     _check(photos.front, "front")
-    sights = first_sights(photos, names, generic, belief)
-    points, sights = _refined(generic, sights, belief)
+    marks = seen_side(photos)
+    if "profile" in marks:
+        if marks["profile"].points:
+            _check(marks["profile"], "profile")
+        else:
+            del marks["profile"]
+    begun = start(marks, photos.facing, names, generic)
+    sights = {
+        view: Sight(camera, marks[view].array(names), _noise(marks[view].sureness(names), camera, belief))
+        for view, camera in begun.cameras.items()
+    }
+    points, sights = _refined(begun.points, generic, sights, belief)
     errors = {view: sight.camera.project(points) - sight.seen for view, sight in sights.items()}
     found = Located(names, points, sights, errors)
     _check_face(found, generic)
@@ -145,37 +149,9 @@ def _typical(errors: Floats) -> float:
     return float(np.nanpercentile(np.linalg.norm(errors, axis=1), 67))
 
 
-def first_sights(
-    photos: PhotoPoints, names: tuple[str, ...], generic: Floats, belief: Belief
-) -> dict[str, Sight]:
-    """Cameras to begin with: the paper's, where enough points are in both photos; else each by itself."""
-    marks = {"front": photos.front}
-    looks = {"front": "front"}
-    if photos.profile is not None and photos.profile.points:
-        _check(photos.profile, "profile")
-        marks["profile"] = _of_near_side(photos.profile, near_side(photos.facing))
-        looks["profile"] = photos.facing
-    cameras = _paper_cameras(marks, photos.facing, names, generic) if len(marks) == 2 else None
-    if cameras is None:
-        near = 1 / belief.distance
-        cameras = {view: _alone(row, looks[view], near, names, generic) for view, row in marks.items()}
-    return {
-        view: Sight(camera, marks[view].array(names), _noise(marks[view].sureness(names), camera, belief))
-        for view, camera in cameras.items()
-    }
-
-
-def laid_over(photos: PhotoPoints, names: tuple[str, ...], generic: Floats) -> dict[str, Camera]:
-    """Cameras that see the generic head's points (n, 3) where the few points of each photo are, or in the
-    middle of a photo that has none.
-    """
-    marks = {"front": photos.front}
-    if photos.profile is not None:
-        marks["profile"] = _of_near_side(photos.profile, near_side(photos.facing))
-    looks = {"front": "front", "profile": photos.facing}
-    return {
-        view: _alone(row, looks[view], 1 / Belief().distance, names, generic) for view, row in marks.items()
-    }
+ROUNDS = 25
+ENOUGH = 1e-5
+"""Relative change of the cost at which refining ends."""
 
 
 def _noise(sureness: Floats, camera: Camera, belief: Belief) -> Floats:
@@ -184,97 +160,14 @@ def _noise(sureness: Floats, camera: Camera, belief: Belief) -> Floats:
     return noise
 
 
-def _of_near_side(marks: Marks, side: int) -> Marks:
-    """The marks with points of the hidden side taken for those of the side that is seen."""
-    points, confidence = {}, {}
-    for name, at in marks.points.items():
-        mirror = feature_points()[name].mirror
-        own = name if mirror is None or _side(name) == side else mirror
-        points[own] = at
-        confidence[own] = marks.confidence.get(name, 1.0)
-    return Marks(marks.size, points, confidence)
-
-
-def _side(name: str) -> int:
-    """The sign of x: 1 on the left. The table has the left point of each pair first."""
-    order = list(feature_points())
-    mirror = feature_points()[name].mirror
-    return 1 if mirror is not None and order.index(name) < order.index(mirror) else -1
-
-
-def _paper_cameras(
-    marks: Mapping[str, Marks], facing: Facing, names: tuple[str, ...], generic: Floats
-) -> dict[str, Camera] | None:
-    """Sections 2.1 and 2.2: located points, and the head's pose among them. None where too few are in both
-    photos.
-
-    The profile photo is first brought to the front's scale and height, for the paper has one camera for both.
-    """
-    front, profile = (marks[view].array(names) for view in ("front", "profile"))
-    both = np.isfinite(front[:, 0]) & np.isfinite(profile[:, 0])
-    if both.sum() < 4 or np.ptp(profile[both, 1]) <= 0:
-        return None
-    size, drop = np.polyfit(profile[both, 1], front[both, 1], 1)
-    if not size > 0:
-        return None
-    centre = (marks["front"].size[0] / 2, marks["front"].size[1] / 2)
-    aside = (profile[both, 0].min() + profile[both, 0].max()) / 2
-    scaled = np.stack([(profile[:, 0] - aside) * size + centre[0], profile[:, 1] * size + drop], 1)
-    paper = PaperCameras(FOCAL_SHARE * max(marks["front"].size), centre, centre, 1.0, facing)
-    found = paper.locate(front[both], scaled[both])
-    if not np.isfinite(found).all():
-        return None
-    pose = Similarity.fit(generic[both], found)
-    cameras = {view: camera_of(paper, view, pose, generic.mean(0)) for view in ("front", "profile")}
-    if any(np.linalg.norm(c.turn) > MOST_TURNED or c.closeness <= 0 for c in cameras.values()):
-        return None
-    cameras["profile"] = _in_own_photo(
-        cameras["profile"], marks["profile"].size, size, generic[both], profile[both]
-    )
-    return cameras
-
-
-def _in_own_photo(
-    camera: Camera, photo: tuple[int, int], size: float, points: Floats, seen: Floats
-) -> Camera:
-    """The camera of a photo that was drawn `size` times larger: it sees `points` where they are, on the
-    whole.
-    """
-    own = replace(camera, centre=(photo[0] / 2, photo[1] / 2), scale=camera.scale / size)
-    off = np.median(seen - own.project(points), axis=0) * (1, -1)
-    return replace(own, shift=own.shift + off / own.scale)
-
-
-def _alone(marks: Marks, look: str, closeness: float, names: tuple[str, ...], generic: Floats) -> Camera:
-    """A camera that looks straight, placed and scaled so that the generic head's points fall on those of the
-    photo; in its middle if it has none, as large as portraits are if it has not two.
-    """
-    seen = marks.array(names)
-    known = np.isfinite(seen[:, 0])
-    centre = (marks.size[0] / 2, marks.size[1] / 2)
-    straight = Camera(look, centre, generic.mean(0), 1.0, closeness, np.zeros(3), np.zeros(2))
-    flat, wanted = straight.project(generic[known]) - centre, seen[known] - centre
-    if not known.any():
-        return replace(straight, scale=min(marks.size) / PORTRAIT_M)
-    a, b = flat - flat.mean(0), wanted - wanted.mean(0)
-    scale = float(np.sqrt((b**2).sum() / max(float((a**2).sum()), 1e-12)))
-    if not scale > 0:
-        scale = min(marks.size) / PORTRAIT_M
-    near = (1 / (1 - closeness * straight.inside(generic[known])[:, 2])).mean()
-    return replace(straight, scale=scale, shift=(wanted.mean(0) / scale - flat.mean(0)) / near * (1, -1))
-
-
-ROUNDS = 25
-ENOUGH = 1e-5
-"""Relative change of the cost at which refining ends."""
-
-
-def _refined(generic: Floats, sights: Mapping[str, Sight], belief: Belief) -> tuple[Floats, dict[str, Sight]]:
+def _refined(
+    points: Floats, generic: Floats, sights: Mapping[str, Sight], belief: Belief
+) -> tuple[Floats, dict[str, Sight]]:
     """The most probable points and cameras: Levenberg and Marquardt on all, reweighted (Cauchy) at each
     step.
     """
     n, prior = len(generic), precision(belief.faces, generic)
-    points, current = generic.copy(), dict(sights)
+    current = dict(sights)
     cost = _cost(points, current, generic, prior, belief)
     damping = 1e-3
     for _ in range(ROUNDS):

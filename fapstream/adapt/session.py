@@ -25,7 +25,8 @@ from fapstream.adapt.points import (
     generic_places,
     marks_of,
 )
-from fapstream.adapt.refine import FEWEST, laid_over
+from fapstream.adapt.refine import FEWEST
+from fapstream.adapt.start import laid_over, seen_side
 from fapstream.errors import FapstreamError, InputError, PhotoError
 from fapstream.head.gltf_write import write_head
 from fapstream.head.mesh import Head
@@ -159,7 +160,7 @@ class Session:
     ) -> tuple[dict[str, tuple[Floats, Floats]], bool, float | None]:
         """By view the mesh and the feature points in pixels; whether they are fitted; the mean error."""
         if len(photos.front.points) < FEWEST or (photos.profile and 0 < len(photos.profile.points) < 2):
-            cameras = laid_over(photos, self._names, self._places)
+            cameras = laid_over(seen_side(photos), photos.facing, self._names, self._places)
             rows = {view: (c.project(self._drawn), c.project(self._places)) for view, c in cameras.items()}
             return rows, False, None
         fit = fit_points(self._generic, photos, method)
@@ -169,7 +170,8 @@ class Session:
         )
         rows = {view: (mesh[view], points[view]) for view in mesh}
         if photos.profile and "profile" not in rows:
-            camera = laid_over(photos, self._names, fit.warp(self._places))["profile"]
+            marks, places = seen_side(photos), fit.warp(self._places)
+            camera = laid_over(marks, photos.facing, self._names, places)["profile"]
             rows["profile"] = camera.project(fit.warp(self._drawn)), camera.project(fit.warp(self._places))
         return rows, True, float(gaps.mean())
 

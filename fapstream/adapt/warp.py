@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,40 @@ class Chain:
         for warp in self.warps:
             points = warp(points)
         return points
+
+
+@dataclass(frozen=True, slots=True)
+class Eased:
+    """Part of the way from one warp to another: `share` 0 is the first, 1 the second."""
+
+    first: Warp
+    second: Warp
+    share: float
+
+    def __call__(self, points: Floats) -> Floats:
+        return (1 - self.share) * self.first(points) + self.share * self.second(points)
+
+
+def unfolded(warp: Warp, safe: Warp, points: Floats, triangles: NDArray[np.integer[Any]]) -> Warp:
+    """The warp, or as much of the way to it from `safe` as turns no triangle (m, 3) of points (n, 3) inside
+    out.
+    """
+    before, safely, wholly = _facing(safe(points), triangles), safe(points), warp(points)
+    for share in SHARES:
+        moved = (1 - share) * safely + share * wholly
+        if ((_facing(moved, triangles) * before).sum(1) > 0)[(before**2).sum(1) > TINY].all():
+            return warp if share == 1 else Eased(safe, warp, share)
+    return safe
+
+
+SHARES = (1.0, 0.95, 0.85, 0.7, 0.5, 0.25)
+TINY = 1e-18
+"""Squared area, m^4, of triangles too thin to say how they face."""
+
+
+def _facing(points: Floats, triangles: NDArray[np.integer[Any]]) -> Floats:
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
 
 
 def jacobians(warp: Warp, points: Floats) -> Floats:

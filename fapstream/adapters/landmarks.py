@@ -47,7 +47,10 @@ class Landmarker:
     def __init__(self) -> None:
         """Raises LandmarksUnavailable."""
         if not installed():
-            raise LandmarksUnavailable("finding points needs LiteRT: pip install 'fapstream[landmarks]'")
+            raise LandmarksUnavailable(
+                "finding points needs LiteRT: pip install 'fapstream[landmarks]'; or give them: --points F.json, "
+                "which the editor at /adapt writes"
+            )
         self._models: dict[str, Any] = {}
         self._lock = Lock()
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fapstream.adapt.fit import METHODS
 from fapstream.adapt.person import fit_points, make_head, of_pictures, of_size
 from fapstream.adapt.points import Marks, PhotoPoints
+from fapstream.adapt.rigid import Similarity
 from fapstream.errors import InputError, PointsError
 from fapstream.head.gltf import read_head
 from fapstream.head.gltf_write import write_head
@@ -52,6 +54,31 @@ def test_the_mesh_is_seen_where_the_points_are() -> None:
         seen = fit().located.sights[view].seen[[name in packaged().fdp for name in names]]
         gaps = np.linalg.norm(pixels - seen, axis=1)
         assert np.nanmedian(gaps) < 1.5
+
+
+@pytest.mark.parametrize("method", sorted(METHODS))
+@pytest.mark.parametrize("seed", range(4))
+def test_points_that_are_badly_off_fold_no_face(method: str, seed: int) -> None:
+    """Or they are refused."""
+    rng, good = np.random.default_rng(seed), known(PERSON)
+    noisy = {
+        name: tuple(np.clip(at + rng.normal(0, 15, 2), 0, 1000).tolist())
+        for name, at in good.front.points.items()
+    }
+    try:
+        found = fit_points(
+            packaged(), PhotoPoints(Marks((1000, 1000), noisy), good.profile, good.facing), method
+        )  # type: ignore[arg-type]
+    except PointsError:
+        return
+    skin = packaged().part("skin")
+    rest = skin.positions.astype(float)
+    moved = found.warp(rest)
+    before, after = (np.cross(p[skin.triangles[:, 1]] - p[skin.triangles[:, 0]],
+                              p[skin.triangles[:, 2]] - p[skin.triangles[:, 0]])
+                     for p in (Similarity.fit(rest, moved)(rest), moved))  # fmt: skip
+    large = (before**2).sum(1) > 1e-16
+    assert ((before * after).sum(1)[large] > 0).all()
 
 
 def test_an_unknown_method_is_named() -> None:
