@@ -48,8 +48,8 @@ class Landmarker:
         """Raises LandmarksUnavailable."""
         if not installed():
             raise LandmarksUnavailable(
-                "finding points needs LiteRT: pip install 'fapstream[landmarks]'; or give them: --points F.json, "
-                "which the editor at /adapt writes"
+                "finding points needs LiteRT: pip install 'fapstream[landmarks]'; or give them by --points, "
+                "in a file that the editor at /adapt writes"
             )
         self._models: dict[str, Any] = {}
         self._lock = Lock()
