@@ -30,12 +30,13 @@ SAME_SHAPE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """The generic head fitted to feature points: where these are in space, and the warp that takes the head
-    there.
+    """The generic head fitted to feature points: where these are in space, the warp that takes the head
+    there, and the vertices (n, 3) of its skin there, metres.
     """
 
     located: Located
     warp: Warp
+    skin: Floats
 
     def mesh(self, points: Floats) -> dict[str, Floats]:
         """Where points (n, 3) of the generic head are seen, by view: (n, 2) pixels."""
@@ -54,7 +55,7 @@ def fit_points(generic: Head, photos: PhotoPoints, method: str = DEFAULT_METHOD)
     located = locate(photos, places)
     task, skin = Task.of(located, places, generic.fdp), generic.part("skin")
     points = skin.positions.astype(np.float64)
-    return Fit(located, unfolded(METHODS[method](task), rigid(task), points, skin.triangles))
+    return Fit(located, *unfolded(METHODS[method](task), rigid(task), points, skin.triangles))
 
 
 def make_head(

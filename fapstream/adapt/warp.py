@@ -41,16 +41,19 @@ class Eased:
         return (1 - self.share) * self.first(points) + self.share * self.second(points)
 
 
-def unfolded(warp: Warp, safe: Warp, points: Floats, triangles: NDArray[np.integer[Any]]) -> Warp:
+def unfolded(
+    warp: Warp, safe: Warp, points: Floats, triangles: NDArray[np.integer[Any]]
+) -> tuple[Warp, Floats]:
     """The warp, or as much of the way to it from `safe` as turns no triangle (m, 3) of points (n, 3) inside
-    out.
+    out; and where it takes the points.
     """
-    before, safely, wholly = _facing(safe(points), triangles), safe(points), warp(points)
+    safely, wholly = safe(points), warp(points)
+    before = _facing(safely, triangles)
     for share in SHARES:
         moved = (1 - share) * safely + share * wholly
         if ((_facing(moved, triangles) * before).sum(1) > 0)[(before**2).sum(1) > TINY].all():
-            return warp if share == 1 else Eased(safe, warp, share)
-    return safe
+            return (warp if share == 1 else Eased(safe, warp, share)), moved
+    return safe, safely
 
 
 SHARES = (1.0, 0.95, 0.85, 0.7, 0.5, 0.25)

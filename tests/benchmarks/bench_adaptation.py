@@ -119,12 +119,12 @@ def person(job: tuple[str, int, float]) -> dict[str, Row]:
         warp = METHODS[name](task)
         shape = warp(rest)
         ms = 1000 * (time.perf_counter() - start + took)
-        rows[name] = _row(Fit(located, warp), shape, truth, surface, ms)
+        rows[name] = _row(Fit(located, warp, shape), truth, surface, ms)
     return rows
 
 
-def _row(fit: Fit, shape: Floats, truth: Likeness, surface: Surface, ms: float) -> Row:
-    vertices, share = face()
+def _row(fit: Fit, truth: Likeness, surface: Surface, ms: float) -> Row:
+    (vertices, share), shape = face(), fit.skin
     aligned = Similarity.fit(shape[vertices], truth.skin[vertices], share)(shape[vertices[::EVERY]])
     gaps, weights = 1000 * surface.distances(aligned), share[::EVERY] / share[::EVERY].sum()
     places = np.array(list(generic_places(generic().fdp).values()))
@@ -161,14 +161,13 @@ def table(wheel: str, seeds: range, workers: int) -> dict[float, dict[str, list[
 
 def fit_ms(wheel: str, count: int = 9) -> float:
     """Median ms from points to the fitted skin with the default method, alone on one core."""
-    places = generic().part("skin").positions.astype(float)
     times = []
     for seed in range(count):
         truth = likeness(wheel, seed)
         rng = np.random.default_rng(seed)
         seen = Shoot.of(truth, rng, SIZE).points(truth, rng, 1.0)
         start = time.perf_counter()
-        fit_points(generic(), seen).warp(places)
+        fit_points(generic(), seen)
         times.append(1000 * (time.perf_counter() - start))
     return float(np.median(times))
 
