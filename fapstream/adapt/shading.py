@@ -23,9 +23,14 @@ OFF = 0.25
 
 def linear(pixels: NDArray[np.uint8] | Floats) -> Floats:
     """sRGB 0..255 to amounts of light 0..1 (IEC 61966-2-1)."""
+    if pixels.dtype == np.uint8:
+        return _LIGHT[pixels]
     value = np.asarray(pixels, np.float64) / 255
     light: Floats = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
     return light
+
+
+_LIGHT = linear(np.arange(256.0)).astype(np.float32)
 
 
 def encoded(light: Floats) -> NDArray[np.uint8]:
