@@ -67,9 +67,11 @@ def report(
 
 def overlay(generic: Head, fit: Fit, view: str, photo: Pixels) -> Pixels:
     """The photo with the fitted mesh, the points that were given, and lines to where the head has them."""
-    points, edges = wireframe(generic)
+    vertices, edges = wireframe(generic)
+    camera = fit.located.sights[view].camera
     share = min(1.0, SHOWN / max(photo.shape[:2]))
-    mesh, seen = share * fit.mesh(points)[view], share * fit.located.sights[view].seen
+    mesh = share * camera.project(fit.skin[vertices])
+    seen = share * fit.located.sights[view].seen
     fitted = share * fit.mesh(_places(generic, fit.located.names))[view]
     size = (round(photo.shape[1] * share), round(photo.shape[0] * share))
     picture = Picture.fromarray(photo).resize(size, Picture.Resampling.LANCZOS)

@@ -161,19 +161,21 @@ class Session:
         """By view the mesh and the feature points in pixels; whether they are fitted; the mean error."""
         if len(photos.front.points) < FEWEST or (photos.profile and 0 < len(photos.profile.points) < 2):
             cameras = laid_over(seen_side(photos), photos.facing, self._names, self._places)
-            rows = {view: (c.project(self._drawn), c.project(self._places)) for view, c in cameras.items()}
+            drawn = self._generic.part("skin").positions[self._drawn].astype(np.float64)
+            rows = {view: (c.project(drawn), c.project(self._places)) for view, c in cameras.items()}
             return rows, False, None
         fit = fit_points(self._generic, photos, method)
-        mesh, points = fit.mesh(self._drawn), fit.mesh(self._places)
-        gaps = np.concatenate(
-            [np.linalg.norm(points[v] - s.seen, axis=1)[s.known] for v, s in fit.located.sights.items()]
-        )
-        rows = {view: (mesh[view], points[view]) for view in mesh}
-        if photos.profile and "profile" not in rows:
-            marks, places = seen_side(photos), fit.warp(self._places)
-            camera = laid_over(marks, photos.facing, self._names, places)["profile"]
-            rows["profile"] = camera.project(fit.warp(self._drawn)), camera.project(fit.warp(self._places))
-        return rows, True, float(gaps.mean())
+        mesh, places = fit.skin[self._drawn], fit.warp(self._places)
+        cameras = {view: sight.camera for view, sight in fit.located.sights.items()}
+        if photos.profile and "profile" not in cameras:
+            laid = laid_over(seen_side(photos), photos.facing, self._names, places)
+            cameras["profile"] = laid["profile"]
+        rows = {view: (camera.project(mesh), camera.project(places)) for view, camera in cameras.items()}
+        gaps = [
+            np.linalg.norm(rows[view][1] - sight.seen, axis=1)[sight.known]
+            for view, sight in fit.located.sights.items()
+        ]
+        return rows, True, float(np.concatenate(gaps).mean())
 
     def _head(self, message: Message) -> Message:
         photos, name = self._photo_points(message), message.get("name", "")
@@ -203,8 +205,8 @@ def _plain(e: FapstreamError, view: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def wireframe(generic: Head) -> tuple[Floats, NDArray[np.int64]]:
-    """Vertices (n, 3) of the generic face, and the edges (m, 2) between them that are drawn over photos."""
+def wireframe(generic: Head) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Vertices (n,) of the generic skin, and the edges (m, 2) between them that are drawn over photos."""
     skin = generic.part("skin")
     points = skin.positions.astype(np.float64)
     sides = np.concatenate([skin.triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]).astype(np.int64)
@@ -215,7 +217,7 @@ def wireframe(generic: Head) -> tuple[Floats, NDArray[np.int64]]:
     long = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1) > DRAWN_M
     edges = edges[long & inside[edges].all(1)]
     used, flat = np.unique(edges, return_inverse=True)
-    return points[used], flat.reshape(-1, 2)
+    return used, flat.reshape(-1, 2)
 
 
 def _rows(marks: Marks) -> dict[str, list[float]]:
