@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.adapt.points import MIRROR
+from fapstream.adapt.warp import squared_gaps
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ class Covariance:
 
     def _kernel(self, a: Floats, b: Floats, power: int = 0) -> Floats:
         """(n, m); each Gaussian divided by its length to the `power`."""
-        squared = ((a**2).sum(1)[:, None] + (b**2).sum(1) - 2 * a @ b.T).clip(0)
+        squared = squared_gaps(a, b)
         total = np.zeros(squared.shape)
         for length, sd in self.scales:
             total += sd**2 / length**power * np.exp(squared / (-2 * length**2))

@@ -41,7 +41,10 @@ class Task:
 
     def arrays(self) -> tuple[Floats, Floats]:
         """Sources and targets, (n, 3) each."""
-        return tuple(np.array([table[name] for name in self.target]) for table in (self.source, self.target))  # type: ignore[return-value]
+        source, target = (
+            np.array([table[name] for name in self.target]) for table in (self.source, self.target)
+        )
+        return source, target
 
 
 def rigid(task: Task) -> Warp:

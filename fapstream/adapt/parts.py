@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.adapt.points import feature_points
-from fapstream.adapt.warp import Chain
+from fapstream.adapt.rigid import nearest_rotation
+from fapstream.adapt.warp import Chain, squared_gaps
 from fapstream.data import read_text
 
 Floats = NDArray[np.float64]
@@ -133,7 +134,7 @@ class NodesWarp:
     moves: Floats
 
     def __call__(self, points: Floats) -> Floats:
-        gaps = np.sqrt(_squared(points, self.nodes)) + 1e-9
+        gaps = np.sqrt(squared_gaps(points, self.nodes)) + 1e-9
         count = min(NEIGHBOURS, len(self.nodes) - 1)
         reach = np.partition(gaps, count, 1)[:, [count]]
         weights = np.clip(1 / gaps - 1 / reach, 0, None) ** 2 + 1e-12
@@ -180,15 +181,10 @@ def fit_piece(source: Floats, target: Floats, lines: Floats, wanted: Floats) -> 
 
 
 def alignment(lines: Floats, wanted: Floats) -> Floats:
-    """The rotation (3, 3) that minimises sum |R u - v|^2 over the unit directions u, v of lines (m, 3)
-    (Kabsch 1976).
-    """
+    """The rotation (3, 3) that minimises sum |R u - v|^2 over the unit directions u, v of lines (m, 3)."""
     u = lines / np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), 1e-12)
     v = wanted / np.maximum(np.linalg.norm(wanted, axis=1, keepdims=True), 1e-12)
-    left, _, right = np.linalg.svd(v.T @ u)
-    proper = np.array([1.0, 1.0, np.sign(np.linalg.det(left) * np.linalg.det(right)) or 1.0])
-    rotation: Floats = (left * proper) @ right
-    return rotation
+    return nearest_rotation(v.T @ u)
 
 
 def stretching(turned: Floats, target: Floats) -> Floats:
@@ -202,10 +198,5 @@ def stretching(turned: Floats, target: Floats) -> Floats:
 
 
 def _nearest(points: Floats, nodes: Floats) -> Floats:
-    found: Floats = np.sqrt(_squared(points, nodes).min(1))
-    return found
-
-
-def _squared(points: Floats, nodes: Floats) -> Floats:
-    found: Floats = np.maximum((points**2).sum(1)[:, None] + (nodes**2).sum(1) - 2 * points @ nodes.T, 0)
+    found: Floats = np.sqrt(squared_gaps(points, nodes).min(1))
     return found

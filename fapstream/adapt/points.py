@@ -92,11 +92,11 @@ def feature_points() -> Mapping[str, FeaturePoint]:
     table = {}
     for number, line in read_lines("adapt", "points.tsv"):
         try:
-            name, mirror, views, *place, title = line.split("\t")
-            at = None if place[0] == "-" else tuple(float(c) / 1000 for c in place)
+            name, mirror, views, x, y, z, title = line.split("\t")
+            at = None if x == "-" else (float(x) / 1000, float(y) / 1000, float(z) / 1000)
             seen = tuple(_VIEWS[v] for v in views)
-            table[name] = FeaturePoint(name, None if mirror == "-" else mirror, seen, at, title)  # type: ignore[arg-type]
-        except (ValueError, KeyError, IndexError):
+            table[name] = FeaturePoint(name, None if mirror == "-" else mirror, seen, at, title)
+        except (ValueError, KeyError):
             raise DataError("points.tsv", number, f"{line[:60]!r} is not a feature point") from None
     return table
 

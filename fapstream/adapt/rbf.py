@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.adapt.warp import squared_gaps
+
 Floats = NDArray[np.float64]
 
 SUPPORT = 0.055
@@ -29,7 +31,7 @@ class RadialWarp:
     support: float
 
     def __call__(self, points: Floats) -> Floats:
-        moved: Floats = wu(_gaps(points, self.centres) / self.support) @ self.weights
+        moved: Floats = wu(np.sqrt(squared_gaps(points, self.centres)) / self.support) @ self.weights
         return moved + self.offset + points @ self.matrix.T
 
 
@@ -47,13 +49,7 @@ def fit_radial(source: Floats, target: Floats, support: float = SUPPORT) -> Radi
     n = len(source)
     affine = np.c_[np.ones(n), source]
     system = np.zeros((n + 4, n + 4))
-    system[:n, :n] = wu(_gaps(source, source) / support)
+    system[:n, :n] = wu(np.sqrt(squared_gaps(source, source)) / support)
     system[:n, n:], system[n:, :n] = affine, affine.T
     solved: Floats = np.asarray(np.linalg.solve(system, np.r_[target, np.zeros((4, 3))]), np.float64)
     return RadialWarp(source, solved[:n], solved[n], solved[n + 1 :].T, support)
-
-
-def _gaps(a: Floats, b: Floats) -> Floats:
-    squared = (a**2).sum(1)[:, None] + (b**2).sum(1) - 2 * a @ b.T
-    gaps: Floats = np.sqrt(np.maximum(squared, 0))
-    return gaps

@@ -40,9 +40,16 @@ class Similarity:
         w = w / w.sum()
         from_middle, to_middle = w @ source, w @ target
         a, b = source - from_middle, target - to_middle
-        u, stretch, vt = np.linalg.svd((b * w[:, None]).T @ a)
-        proper = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(vt)) or 1.0])
-        rotation = (u * proper) @ vt
+        together = (b * w[:, None]).T @ a
+        rotation = nearest_rotation(together)
         spread = float((w[:, None] * a**2).sum())
-        scale = float((stretch * proper).sum() / spread) if spread > 0 else 1.0
+        scale = float((rotation * together).sum() / spread) if spread > 0 else 1.0
         return cls(scale, rotation, to_middle - scale * rotation @ from_middle)
+
+
+def nearest_rotation(matrix: Floats) -> Floats:
+    """The proper rotation R (3, 3) with the largest trace of R^T @ matrix (Kabsch 1976)."""
+    left, _, right = np.linalg.svd(matrix)
+    proper = np.array([1.0, 1.0, np.sign(np.linalg.det(left) * np.linalg.det(right)) or 1.0])
+    rotation: Floats = (left * proper) @ right
+    return rotation

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.adapt.covariance import Covariance
-from fapstream.adapt.warp import Chain, Warp
+from fapstream.adapt.warp import Chain, Warp, squared_gaps
 
 Floats = NDArray[np.float64]
 
@@ -48,8 +48,7 @@ class GaussianWarp:
         return found
 
     def _kernel(self, points: Floats) -> Floats:
-        squared = (points**2).sum(1)[:, None] + (self.centres**2).sum(1) - 2 * points @ self.centres.T
-        kernel: Floats = np.exp(np.maximum(squared, 0) / (-2 * self.width**2))
+        kernel: Floats = np.exp(squared_gaps(points, self.centres) / (-2 * self.width**2))
         return kernel
 
 
@@ -86,9 +85,8 @@ def _steepness(warp: GaussianWarp) -> float:
 
 
 def _gaussian(source: Floats, moves: Floats, width: float) -> GaussianWarp:
-    squared = (source**2).sum(1)[:, None] + (source**2).sum(1) - 2 * source @ source.T
-    kernel = np.exp(np.maximum(squared, 0) / (-2 * width**2)) + STIFFNESS * np.eye(len(source))
-    return GaussianWarp(source, np.linalg.solve(kernel, moves), width)
+    kernel: Floats = np.exp(squared_gaps(source, source) / (-2 * width**2)) + STIFFNESS * np.eye(len(source))
+    return GaussianWarp(source, np.asarray(np.linalg.solve(kernel, moves), np.float64), width)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fapstream.adapt.points import Facing
 from fapstream.adapt.rigid import Similarity
+from fapstream.head.deform import about_axis
 
 Floats = NDArray[np.float64]
 
@@ -170,15 +171,11 @@ def camera_of(paper: PaperCameras, view: str, pose: Similarity, pivot: Floats) -
 
 
 def rotation(vector: Floats) -> Floats:
-    """The matrix (3, 3) of a rotation vector (3,), radians (Rodrigues)."""
+    """The matrix (3, 3) of a rotation vector (3,), radians."""
     angle = float(np.linalg.norm(vector))
-    cross = cross_matrices(vector[None])[0]
     if angle < 1e-8:
-        return np.asarray(np.eye(3) + cross, np.float64)
-    matrix: Floats = (
-        np.eye(3) + np.sin(angle) / angle * cross + (1 - np.cos(angle)) / angle**2 * cross @ cross
-    )
-    return matrix
+        return np.asarray(np.eye(3) + cross_matrices(vector[None])[0], np.float64)
+    return about_axis(vector, angle)
 
 
 def rotation_vector(matrix: Floats) -> Floats:

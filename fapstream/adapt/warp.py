@@ -13,6 +13,13 @@ Floats = NDArray[np.float64]
 Warp = Callable[[Floats], Floats]
 """Points (n, 3) to points (n, 3), metres; continuous."""
 
+
+def squared_gaps(a: Floats, b: Floats) -> Floats:
+    """(n, m): squared distances between points (n, 3) and (m, 3)."""
+    squared: Floats = np.maximum((a**2).sum(1)[:, None] + (b**2).sum(1) - 2 * a @ b.T, 0)
+    return squared
+
+
 STEP = 2e-4
 """Metres between the points that a slope is taken from."""
 

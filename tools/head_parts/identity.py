@@ -87,8 +87,8 @@ def random_person(source: Source, sliders: Sliders, seed: int) -> Person:
     shape = sliders.draw(rng) | _weight(female, old, float(np.clip(rng.normal(0, 0.3), -0.7, 0.7)))
     tone, lip = TONES[rng.integers(len(TONES))]
     root, tip = HAIRS[rng.integers(len(HAIRS))]
-    brow: Colour = tuple((0.7 * np.array(root) + 0.3 * np.array(tip)).tolist())  # type: ignore[assignment]
-    shirt: Colour = tuple(rng.integers(50, 200, 3).tolist())  # type: ignore[assignment]
+    brow = _colour(0.7 * np.array(root) + 0.3 * np.array(tip))
+    shirt = _colour(rng.integers(50, 200, 3))
     return Person(
         title=f"Person {seed}", female=female, old=old,
         ancestry=dict(zip(("african", "asian", "caucasian"), shares.tolist(), strict=True)), shape=shape,
@@ -99,6 +99,11 @@ def random_person(source: Source, sliders: Sliders, seed: int) -> Person:
         hair=HairLook(str(rng.choice(GROOMS[:2] if female < 0.5 else GROOMS[2:])), root, tip),
         shirt=ShirtLook(shirt),
     )  # fmt: skip
+
+
+def _colour(values: np.ndarray) -> Colour:
+    red, green, blue = values.tolist()
+    return red, green, blue
 
 
 def _weight(female: float, old: float, much: float) -> dict[str, float]:
