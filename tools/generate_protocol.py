@@ -77,6 +77,10 @@ def spec(fields: list[Field]) -> list[Field]:
     return [{k: v for k, v in f.items() if k != "doc"} for f in fields]
 
 
+def ephemeral(messages: list[Any]) -> list[str]:
+    return [m["name"] for m in messages if m.get("ephemeral")]
+
+
 def py_literal(value: Any) -> str:
     """A field spec as constructor text."""
     parts = []
@@ -115,6 +119,8 @@ def python_source(messages: Any, session: Any, errors: Any) -> str:
             f'    "{m["name"]}": ({camel(m["name"])}, "{m["from"]}", ({fields}{"," if fields else ""})),'
         )
     out.append("}\n")
+    out.append(f"EPHEMERAL = frozenset({json.dumps(ephemeral(msgs))})")
+    out.append('"""Messages that are not counted and not sent again after a lost connection."""\n')
     for table in ("session", "turn"):
         for side in ("client", "server"):
             body = json.dumps(session[table][side], indent=4)
@@ -164,6 +170,8 @@ def typescript_source(messages: Any, session: Any, errors: Any) -> str:
     out.append(
         f"export const MESSAGES: Record<string, {{ from: string; fields: FieldSpec[] }}> = {ts_json(table)};\n"
     )
+    out.append("/** Messages that are not counted and not sent again after a lost connection. */")
+    out.append(f"export const EPHEMERAL: ReadonlySet<string> = new Set({json.dumps(ephemeral(msgs))});\n")
     for name in ("session", "turn"):
         for side in ("client", "server"):
             out.append(
@@ -209,6 +217,7 @@ def spec_tables(messages: Any) -> str:
         arrow = {"client": "client → server", "server": "server → client", "both": "either way"}[m["from"]]
         out += [f"### `{m['name']}` ({arrow})", "", m["doc"], "", *field_table(m["fields"])]
         out += ["", "Example:", "", f"    {example(m['name'])}"]
+        out += ["", "Not counted (4.3)."] if m.get("ephemeral") else []
         out += ["", f"> Why? {m['why']}"] if "why" in m else []
         out.append("")
     for name, fields in messages["structs"].items():

@@ -40,7 +40,11 @@ def decode(data: bytes, sender: Side) -> Message | None:
 
     Raises RemoteProtocolError: fatal `protocol` if the bytes are no message at all, else `bad_message`.
     """
-    fields = _unpack(data)
+    return read(unpack(data), sender)
+
+
+def read(fields: Mapping[Any, Any], sender: Side) -> Message | None:
+    """As `decode`, of a map that `unpack` gave."""
     name = fields.get("type")
     if not isinstance(name, str):
         raise RemoteProtocolError("a message needs a `type` of type str")
@@ -52,7 +56,8 @@ def decode(data: bytes, sender: Side) -> Message | None:
     return cls(**_read_fields(fields, specs, name))
 
 
-def _unpack(data: bytes) -> Mapping[Any, Any]:
+def unpack(data: bytes) -> Mapping[Any, Any]:
+    """The map in a frame, nothing of it checked. Raises RemoteProtocolError."""
     if len(data) > MAX_MESSAGE_BYTES:
         raise RemoteProtocolError(f"message of {len(data)} bytes, more than {MAX_MESSAGE_BYTES}")
     try:

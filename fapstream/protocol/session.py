@@ -14,10 +14,15 @@ import numpy as np
 from fapstream import records
 from fapstream.errors import LocalProtocolError, RemoteProtocolError
 from fapstream.protocol import generated as g
-from fapstream.protocol.codec import Side, decode, encode
+from fapstream.protocol.codec import Side, encode, read, unpack
+from fapstream.protocol.faps import Changes, FapDecoder, FapEncoder, Row
+from fapstream.protocol.sent import Sent
 
 FAP_NUMBERS = tuple(range(3, 69))
 """The low-level FAPs, in the order in which frames carry them."""
+
+CLIENT_KEEPS_BYTES = 1 << 20
+"""What a client keeps for a resumption; with more than this under way it cannot resume."""
 
 Tables = dict[str, dict[str, str]]
 
@@ -39,8 +44,17 @@ class EndOfText:
     text: str = ""
 
 
-ClientEvent = g.Hello | Text | EndOfText | g.Interrupt | g.Ack | g.Ping | g.Bye
-ServerEvent = g.Ready | g.Begin | records.Packet | g.Done | g.Pong | g.Error | g.Bye
+ForTurn = g.Speak | g.End | g.Interrupt | g.Splice | g.Seek | g.Pause | g.Continue | g.Ack
+OfTurn = g.Begin | g.Packet | g.Discard | g.Done | g.Pause | g.Continue
+
+ClientEvent = (
+    g.Hello | g.Listen | Text | EndOfText | g.Interrupt | g.Splice | g.Seek | g.Pause | g.Continue
+    | g.Ack | g.Ping | g.Bye
+)  # fmt: skip
+ServerEvent = (
+    g.Ready | g.Live | g.Skip | g.Begin | records.Packet | g.Discard | g.Pause | g.Continue | g.Done
+    | g.Pong | g.Error | g.Bye
+)  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -49,17 +63,31 @@ class _Turn:
     decoder: codecs.IncrementalDecoder = field(
         default_factory=lambda: codecs.getincrementaldecoder("utf-8")("replace")
     )
-    samples: int = 0
     begin: g.Begin | None = None
+    samples: int = 0
+    """First sample of the packet that has to come next."""
+    packets: int = 0
+    """Since the last key frame; 0: the next packet begins with one."""
+    encoder: FapEncoder = field(default_factory=lambda: FapEncoder(len(FAP_NUMBERS)))
+    faps: FapDecoder | None = None
 
 
 class _Session:
-    """What both ends share: the two state tables."""
+    """What both ends share: the two state tables, and the counts of section 4.3."""
 
     def __init__(self) -> None:
         self.state = "opening"
         self.turns: dict[int, _Turn] = {}
         self.last_turn = 0
+        self.sent = Sent()
+        self.received = 0
+        """Counted messages that have come."""
+
+    def _unpack(self, data: bytes, sender: Side) -> g.Message | None:
+        """The message in a frame; it counts whether or not it can be used. Raises RemoteProtocolError."""
+        fields = unpack(data)
+        self.received += str(fields.get("type")) not in g.EPHEMERAL
+        return read(fields, sender)
 
     def _advance(self, side: Side, message: g.Message) -> None:
         """Take the session's step, or raise LocalProtocolError and change nothing."""
@@ -98,20 +126,20 @@ class ServerSession(_Session):
     def receive(self, data: bytes) -> list[ClientEvent]:
         """What a frame from the client means; empty if it is to be ignored.
 
-        Raises RemoteProtocolError with the code to answer with; nothing is changed then.
+        Raises RemoteProtocolError with the code to answer with; nothing is changed then but the count.
         """
-        message = cast(g.ClientMessage | None, decode(data, "client"))
+        message = cast(g.ClientMessage | None, self._unpack(data, "client"))
         if message is None:
             return []
         try:
             self._advance("client", message)
         except LocalProtocolError as e:
             raise RemoteProtocolError(str(e)) from e
-        if isinstance(message, g.Speak | g.End | g.Interrupt | g.Ack):
+        if isinstance(message, ForTurn) and self.state == "open":
             return self._receive_turn(message)
         return [message]
 
-    def _receive_turn(self, message: g.Speak | g.End | g.Interrupt | g.Ack) -> list[ClientEvent]:
+    def _receive_turn(self, message: ForTurn) -> list[ClientEvent]:
         number = message.turn
         opening = number > self.last_turn
         if opening and not isinstance(message, g.Speak):
@@ -128,113 +156,166 @@ class ServerSession(_Session):
             return [Text(number, turn.decoder.decode(message.text), message if opening else None)]
         if isinstance(message, g.End):
             return [EndOfText(number, turn.decoder.decode(b"", True))]
+        if isinstance(message, g.Splice):
+            turn.decoder.reset()
         return [message]
 
     def send(self, message: g.ServerMessage) -> bytes:
         """The frame for a message. Raises LocalProtocolError, and changes nothing, if it does not fit."""
         data = encode(message)
-        if isinstance(message, g.Begin | g.Packet | g.Done) and not self._advance_turn(
-            "server", message.turn, message.type
-        ):
-            raise LocalProtocolError(f"turn {message.turn} is over")
+        if isinstance(message, g.Begin | g.Packet | g.Discard | g.Done):
+            if not self._advance_turn("server", message.turn, message.type):
+                raise LocalProtocolError(f"turn {message.turn} is over")
+            if isinstance(message, g.Discard):
+                self.turns[message.turn].packets = 0
         self._advance("server", message)
+        if message.type not in g.EPHEMERAL:
+            self.sent.append(data, g.PACKET_MS if isinstance(message, g.Packet) else 1)
         return data
 
-    def send_packet(self, packet: records.Packet) -> bytes:
-        """The frame for a packet of the pipeline."""
-        return self.send(packet_message(packet))
+    def packet(self, packet: records.Packet) -> g.Packet:
+        """A packet of the pipeline as the protocol has it, to be sent next of its turn."""
+        turn = self.turns[packet.turn]
+        changes = turn.encoder.encode([_row(frame) for frame in packet.frames], key=turn.packets == 0)
+        turn.packets = (turn.packets + 1) % g.KEY_PACKETS
+        return g.Packet(
+            turn=packet.turn,
+            sample=packet.start,
+            pcm=packet.pcm,
+            key=changes.key,
+            mask=changes.mask,
+            faps=changes.faps,
+            wide=changes.wide,
+            marks=tuple(_mark_message(m) for m in packet.marks) or None,
+            hold=True if packet.hold else None,
+        )
+
+    def resumed(self, received: int) -> list[bytes] | None:
+        """The client is back on another connection and has so many counted messages: the frames to send
+        again. None if they are kept no longer: the session cannot go on.
+        """
+        return self.sent.after(received) if self.state == "open" else None
 
 
 class ClientSession(_Session):
-    """The client's end."""
+    """The client's end, of a session that speaks or one that listens."""
 
     def __init__(self) -> None:
         super().__init__()
         self.ready: g.Ready | None = None
+        self.again: list[bytes] = []
+        """After a `ready` that resumes: frames to be sent again, before any other."""
+        self._talk: str | None = None
 
     def send(self, message: g.ClientMessage) -> bytes:
         """The frame for a message. Raises LocalProtocolError, and changes nothing, if it does not fit."""
         data = encode(message)
         if g.SESSION_CLIENT[self.state].get(message.type) is None:
             raise LocalProtocolError(f"`{message.type}` does not fit a session that is {self.state}")
-        if isinstance(message, g.Speak | g.End | g.Interrupt | g.Ack):
+        if isinstance(message, ForTurn):
             self._advance_turn("client", message.turn, message.type)
         self._advance("client", message)
+        if message.type not in g.EPHEMERAL:
+            self.sent.append(data, len(data))
+            self.sent.shrink(CLIENT_KEEPS_BYTES)
         return data
+
+    def reconnect(self) -> None:
+        """The connection was lost: `hello` with `resume`, or `listen` with `talk`, may come next."""
+        self.state = "opening"
 
     def receive(self, data: bytes) -> list[ServerEvent]:
         """What a frame from the server means; late packets of turns that are over are dropped.
 
         Raises RemoteProtocolError.
         """
-        message = cast(g.ServerMessage | None, decode(data, "server"))
+        message = cast(g.ServerMessage | None, self._unpack(data, "server"))
         if message is None:
             return []
         try:
             self._advance("server", message)
-            if isinstance(message, g.Begin | g.Packet | g.Done):
+            if isinstance(message, OfTurn):
                 return self._receive_turn(message)
         except LocalProtocolError as e:
             raise RemoteProtocolError(str(e)) from e
         if isinstance(message, g.Ready):
-            if not message.faps or not all(1 <= n <= records.N_FAPS for n in message.faps):
-                raise RemoteProtocolError("ready.faps names FAPs that do not exist")
-            self.ready = message
+            self._greet(message)
+        if isinstance(message, g.Live) and message.talk != self._talk:
+            self._forget_turns()
+            self._talk = message.talk
+        if isinstance(message, g.Pong) and message.received is not None:
+            self.sent.forget(message.received)
         return [message]
 
-    def _receive_turn(self, message: g.Begin | g.Packet | g.Done) -> list[ServerEvent]:
-        turn = self.turns.get(message.turn)
-        if turn is None or not self._advance_turn("server", message.turn, message.type):
+    def _greet(self, ready: g.Ready) -> None:
+        if not ready.faps or not all(1 <= n <= records.N_FAPS for n in ready.faps):
+            raise RemoteProtocolError("ready.faps names FAPs that do not exist")
+        self.ready, self.again = ready, []
+        if ready.resumed:
+            again = self.sent.after(ready.received or 0)
+            if again is None:
+                raise RemoteProtocolError("the server missed more than is kept here; the session cannot go on")
+            self.again = again
+        elif self.state == "open":
+            self._forget_turns()
+            self.sent, self.received = Sent(), 0
+
+    def _forget_turns(self) -> None:
+        self.turns.clear()
+        self.last_turn = 0
+
+    def _receive_turn(self, message: OfTurn) -> list[ServerEvent]:
+        known = message.turn in self.turns
+        watches = self.state == "listening" and isinstance(message, g.Begin)
+        if not (known or watches) or not self._advance_turn("server", message.turn, message.type):
             return []
+        turn = self.turns.get(message.turn)
+        if turn is None:
+            return [cast(g.Done, message)]
         if isinstance(message, g.Begin):
-            turn.begin = message
+            turn.begin, turn.samples = message, message.sample or 0
+            turn.faps = FapDecoder(len(self.ready.faps) if self.ready else len(FAP_NUMBERS))
+        elif isinstance(message, g.Discard):
+            turn.samples = message.sample
         if not isinstance(message, g.Packet):
             return [message]
-        if turn.begin is None:
-            raise RemoteProtocolError(f"turn {message.turn}: packet before begin")
-        if message.sample != turn.samples:
-            raise RemoteProtocolError(
-                f"turn {message.turn}: packet at {message.sample}, expected {turn.samples}"
-            )
-        turn.samples += len(message.pcm)
-        return [] if turn.state == "stopping" else [self._packet(message, turn.begin)]
+        packet = self._packet(message, turn)
+        return [] if turn.state == "stopping" else [packet]
 
-    def _packet(self, message: g.Packet, begin: g.Begin) -> records.Packet:
-        numbers = np.frombuffer(self.ready.faps if self.ready else bytes(FAP_NUMBERS), np.uint8)
-        if len(message.faps) % len(numbers):
-            raise RemoteProtocolError(f"{len(message.faps)} FAP values are no frames of {len(numbers)}")
-        rows = message.faps.reshape(-1, len(numbers))
-        values = np.zeros((len(rows), records.N_FAPS), np.int32)
-        values[:, numbers - 1] = rows
-        first = -(-message.sample * begin.fps // begin.sample_rate)
-        frames = tuple(
-            records.FapFrame((first + i) * begin.sample_rate // begin.fps, row)
-            for i, row in enumerate(values)
-        )
-        marks = tuple(
-            records.Mark(
-                m.kind, m.sample, m.duration, m.text,
-                -1 if m.char_start is None else m.char_start, -1 if m.char_end is None else m.char_end,
-            )
-            for m in message.marks or ()
-        )  # fmt: skip
+    def _packet(self, message: g.Packet, turn: _Turn) -> records.Packet:
+        where = f"turn {message.turn}: packet at {message.sample}"
+        if turn.begin is None or turn.faps is None:
+            raise RemoteProtocolError(f"{where} before begin")
+        early = message.sample < turn.samples
+        if early or (message.sample > turn.samples and turn.state != "watched"):
+            raise RemoteProtocolError(f"{where}, expected {turn.samples}")
+        rows = turn.faps.decode(Changes(message.mask, message.faps, message.wide, message.key))
+        pcm = np.zeros(message.samples or 0, np.int16) if message.pcm is None else message.pcm
+        turn.samples = message.sample + len(pcm)
         return records.Packet(
-            message.turn, message.sample, message.pcm, tuple(frames), marks, bool(message.hold)
+            message.turn,
+            message.sample,
+            pcm,
+            self._frames(rows, message.sample, turn.begin),
+            tuple(mark_record(m) for m in message.marks or ()),
+            bool(message.hold),
         )
 
+    def _frames(
+        self, rows: list[Row], sample: int, begin: g.Begin
+    ) -> tuple[records.FapFrame, ...]:
+        numbers = np.frombuffer(self.ready.faps if self.ready else bytes(FAP_NUMBERS), np.uint8)
+        first = -(-sample * begin.fps // begin.sample_rate)
+        frames = []
+        for i, row in enumerate(rows):
+            values = np.zeros(records.N_FAPS, np.int32)
+            values[numbers - 1] = row
+            frames.append(records.FapFrame((first + i) * begin.sample_rate // begin.fps, values))
+        return tuple(frames)
 
-def packet_message(packet: records.Packet) -> g.Packet:
-    """A packet of the pipeline as the protocol has it."""
-    first, last = FAP_NUMBERS[0] - 1, FAP_NUMBERS[-1]
-    rows = [frame.values[first:last] for frame in packet.frames]
-    return g.Packet(
-        turn=packet.turn,
-        sample=packet.start,
-        pcm=packet.pcm,
-        faps=np.concatenate(rows) if rows else np.zeros(0, np.int32),
-        marks=tuple(_mark_message(m) for m in packet.marks) or None,
-        hold=True if packet.hold else None,
-    )
+
+def _row(frame: records.FapFrame) -> Row:
+    return frame.values[FAP_NUMBERS[0] - 1 : FAP_NUMBERS[-1]]
 
 
 def _mark_message(mark: records.Mark) -> g.Mark:
@@ -246,3 +327,12 @@ def _mark_message(mark: records.Mark) -> g.Mark:
         char_start=None if mark.char_start < 0 else mark.char_start,
         char_end=None if mark.char_end < 0 else mark.char_end,
     )
+
+
+def mark_record(mark: g.Mark) -> records.Mark:
+    """A mark of the protocol as the other rooms have it."""
+    start, end = mark.char_start, mark.char_end
+    return records.Mark(
+        mark.kind, mark.sample, mark.duration, mark.text,
+        -1 if start is None else start, -1 if end is None else end,
+    )  # fmt: skip

@@ -10,7 +10,10 @@ export const LIMITS = {
   "interrupt_deadline_ms": 2000,
   "packet_ms": 40,
   "max_faps": 68,
-  "longest_look_ahead": 1000
+  "longest_look_ahead": 1000,
+  "key_packets": 25,
+  "ring_ms": 10000,
+  "linger_ms": 30000
 } as const;
 
 export interface FieldSpec {
@@ -53,7 +56,7 @@ export interface Mark {
   char_end?: number;
 }
 
-/** First message of a session; nothing else is taken before it. */
+/** First message of a session that speaks; nothing else is taken before it. */
 export interface Hello {
   type: "hello";
   /** program and version, for logs */
@@ -64,8 +67,35 @@ export interface Hello {
   lang?: string;
   /** default voice of turns */
   voice?: string;
-  /** reserved for authorisation */
+  /** what allows it, where the server asks for that */
   token?: string;
+  /** let others listen to this session; `ready` says how */
+  share?: boolean;
+  /** speak into this channel of the server, for all who listen to it */
+  channel?: string;
+  /** go on with the session whose `ready.resume` this is */
+  resume?: string;
+  /** with `resume`: counted messages of that session received */
+  received?: number;
+}
+
+/** First message of a session that only watches and listens to what is spoken into a channel. */
+export interface Listen {
+  type: "listen";
+  /** a channel of the server, or `ready.channel` of a session that is shared */
+  channel: string;
+  /** program and version, for logs */
+  client?: string;
+  /** what allows it: of scope `listen`, or `ready.listen` of a shared session */
+  token?: string;
+  /** what is still sent when the connection is too slow for both; sound if absent */
+  prefer?: "sound" | "face";
+  /** after a lost connection: the `live.talk` that was being heard */
+  talk?: string;
+  /** with `talk`: the turn being received */
+  turn?: number;
+  /** with `turn`: samples of it received */
+  sample?: number;
 }
 
 /** A fragment of a turn's text; the first one opens the turn. */
@@ -105,6 +135,44 @@ export interface Interrupt {
   heard?: number;
 }
 
+/** The turn's text is revised: what follows `char` is dropped, and `speak` goes on from there. */
+export interface Splice {
+  type: "splice";
+  /** the turn */
+  turn: number;
+  /** code points of the turn's text that stay */
+  char: number;
+  /** samples of the turn heard until now; the last ack counts if absent */
+  heard?: number;
+}
+
+/** Say it again from the beginning of a sentence. */
+export interface Seek {
+  type: "seek";
+  /** the turn */
+  turn: number;
+  /** 0: the sentence being heard; 1: the one before it; and so on */
+  back: number;
+  /** samples of the turn heard until now; the last ack counts if absent */
+  heard?: number;
+}
+
+/** The turn stops where it is, until `continue`. From a server: the speaker has done so. */
+export interface Pause {
+  type: "pause";
+  /** the turn */
+  turn: number;
+  /** sample at which it stops; from a client: samples heard until now */
+  heard?: number;
+}
+
+/** The turn goes on after `pause`. */
+export interface Continue {
+  type: "continue";
+  /** the turn */
+  turn: number;
+}
+
 /** What the listener has, sent a few times a second while a turn plays. */
 export interface Ack {
   type: "ack";
@@ -118,6 +186,10 @@ export interface Ack {
   underruns: number;
   /** picture minus sound in microseconds; positive: the face is late */
   skew: number;
+  /** counted messages received; what the server keeps for a resumption ends there */
+  received?: number;
+  /** packets that came after their sound was due, since the session began */
+  late?: number;
 }
 
 /** Answered at once by `pong`; browsers cannot see websocket pings. */
@@ -134,7 +206,7 @@ export interface Bye {
   reason?: string;
 }
 
-/** Answer to `hello`: what this server can do. */
+/** Answer to `hello` and `listen`: what this server can do. */
 export interface Ready {
   type: "ready";
   /** program and version */
@@ -149,6 +221,34 @@ export interface Ready {
   voices: Voice[];
   /** names of head files under `/heads/` */
   heads: string[];
+  /** for `hello.resume` after a lost connection; to be kept secret */
+  resume?: string;
+  /** the session asked for goes on; if absent it is a new one */
+  resumed?: boolean;
+  /** with `resumed`: counted messages that the server had received of the session */
+  received?: number;
+  /** what others `listen` to, if the session is shared */
+  channel?: string;
+  /** token to listen with, if the server asks for tokens */
+  listen?: string;
+}
+
+/** To a listener: whether somebody speaks into the channel, and who. */
+export interface Live {
+  type: "live";
+  /** the channel */
+  channel: string;
+  /** somebody is there to speak */
+  on: boolean;
+  /** names the speaker's session; with a new one the turns known so far are over */
+  talk?: string;
+}
+
+/** To a listener: something was left out; the next packet may lie later than the last one ended, or belong to another turn. */
+export interface Skip {
+  type: "skip";
+  /** `slow`: the connection took too little; `bus`: lost between the server's parts */
+  reason: "slow" | "bus";
 }
 
 /** A turn's format. Comes before its first packet. */
@@ -164,6 +264,10 @@ export interface Begin {
   sample_rate: number;
   /** FAP frames a second */
   fps: 25 | 50;
+  /** to a listener who comes late: where its packets begin; 0 if absent */
+  sample?: number;
+  /** to a listener who comes late: the word and the caption in force there */
+  marks?: Mark[];
 }
 
 /** 40 ms of a turn: sound, the FAP frames of exactly those samples, and the marks that begin in them. The last packet of a turn may be shorter. */
@@ -173,14 +277,33 @@ export interface Packet {
   turn: number;
   /** number of the first sample; packets of a turn follow each other without a gap */
   sample: number;
-  /** mono little-endian int16 samples */
-  pcm: Int16Array;
-  /** frames x len(ready.faps) little-endian int32 values in FAP units; frame k of a turn holds at sample k * sample_rate / fps */
-  faps: Int32Array;
+  /** mono little-endian int16 samples; absent if the sound was left out */
+  pcm?: Int16Array;
+  /** how many, if the sound was left out */
+  samples?: number;
+  /** the first frame starts from the neutral face instead of the frame before it */
+  key?: boolean;
+  /** frames x ceil(n / 8) bytes, n = len(ready.faps): bit b of byte a set if channel 8 a + b changes in that frame; absent if there are no frames, or they were left out */
+  mask?: Uint8Array;
+  /** new values of the changed channels in FAP units, frame by frame */
+  faps?: Int16Array;
+  /** instead of `faps` if a value needs more than 16 bits */
+  wide?: Int32Array;
   /** in order of sample */
   marks?: Mark[];
   /** the text has run dry: what follows may come late without being a fault */
   hold?: boolean;
+}
+
+/** The turn was revised (`splice`, `seek`): what it had from `sample` on is void, and its next packet begins there. */
+export interface Discard {
+  type: "discard";
+  /** the turn */
+  turn: number;
+  /** the first void sample */
+  sample: number;
+  /** code point of the turn's text at which it goes on; after a `splice` more than was asked for if more had been heard */
+  char: number;
 }
 
 /** The turn is over; no packet of it follows. */
@@ -203,6 +326,8 @@ export interface Pong {
   type: "pong";
   /** as in the ping */
   id: number;
+  /** counted messages received from the client; it need not keep them for a resumption */
+  received?: number;
 }
 
 /** Something could not be done. What was accepted before stands. */
@@ -216,10 +341,12 @@ export interface Error {
   fatal: boolean;
   /** the turn concerned */
   turn?: number;
+  /** when it may be tried again */
+  retry_ms?: number;
 }
 
-export type ClientMessage = Hello | Speak | End | Interrupt | Ack | Ping | Bye;
-export type ServerMessage = Bye | Ready | Begin | Packet | Done | Pong | Error;
+export type ClientMessage = Hello | Listen | Speak | End | Interrupt | Splice | Seek | Pause | Continue | Ack | Ping | Bye;
+export type ServerMessage = Pause | Continue | Bye | Ready | Live | Skip | Begin | Packet | Discard | Done | Pong | Error;
 export type Message = ClientMessage | ServerMessage;
 
 export const STRUCTS: Record<string, FieldSpec[]> = {
@@ -331,6 +458,79 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "type": "str",
     "max": 4096,
     "optional": true
+   },
+   {
+    "name": "share",
+    "type": "bool",
+    "optional": true
+   },
+   {
+    "name": "channel",
+    "type": "str",
+    "max": 64,
+    "optional": true
+   },
+   {
+    "name": "resume",
+    "type": "str",
+    "max": 128,
+    "optional": true
+   },
+   {
+    "name": "received",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   }
+  ]
+ },
+ "listen": {
+  "from": "client",
+  "fields": [
+   {
+    "name": "channel",
+    "type": "str",
+    "max": 64
+   },
+   {
+    "name": "client",
+    "type": "str",
+    "max": 200,
+    "optional": true
+   },
+   {
+    "name": "token",
+    "type": "str",
+    "max": 4096,
+    "optional": true
+   },
+   {
+    "name": "prefer",
+    "type": "str",
+    "enum": [
+     "sound",
+     "face"
+    ],
+    "optional": true
+   },
+   {
+    "name": "talk",
+    "type": "str",
+    "max": 64,
+    "optional": true
+   },
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647,
+    "optional": true
+   },
+   {
+    "name": "sample",
+    "type": "int",
+    "min": 0,
+    "optional": true
    }
   ]
  },
@@ -418,6 +618,79 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
    }
   ]
  },
+ "splice": {
+  "from": "client",
+  "fields": [
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647
+   },
+   {
+    "name": "char",
+    "type": "int",
+    "min": 0
+   },
+   {
+    "name": "heard",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   }
+  ]
+ },
+ "seek": {
+  "from": "client",
+  "fields": [
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647
+   },
+   {
+    "name": "back",
+    "type": "int",
+    "min": 0,
+    "max": 100
+   },
+   {
+    "name": "heard",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   }
+  ]
+ },
+ "pause": {
+  "from": "both",
+  "fields": [
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647
+   },
+   {
+    "name": "heard",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   }
+  ]
+ },
+ "continue": {
+  "from": "both",
+  "fields": [
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647
+   }
+  ]
+ },
  "ack": {
   "from": "client",
   "fields": [
@@ -445,6 +718,18 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
    {
     "name": "skew",
     "type": "int"
+   },
+   {
+    "name": "received",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   },
+   {
+    "name": "late",
+    "type": "int",
+    "min": 0,
+    "optional": true
    }
   ]
  },
@@ -507,6 +792,68 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "type": "list",
     "of": "str",
     "max": 256
+   },
+   {
+    "name": "resume",
+    "type": "str",
+    "max": 128,
+    "optional": true
+   },
+   {
+    "name": "resumed",
+    "type": "bool",
+    "optional": true
+   },
+   {
+    "name": "received",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   },
+   {
+    "name": "channel",
+    "type": "str",
+    "max": 64,
+    "optional": true
+   },
+   {
+    "name": "listen",
+    "type": "str",
+    "max": 4096,
+    "optional": true
+   }
+  ]
+ },
+ "live": {
+  "from": "server",
+  "fields": [
+   {
+    "name": "channel",
+    "type": "str",
+    "max": 64
+   },
+   {
+    "name": "on",
+    "type": "bool"
+   },
+   {
+    "name": "talk",
+    "type": "str",
+    "max": 64,
+    "optional": true
+   }
+  ]
+ },
+ "skip": {
+  "from": "server",
+  "fields": [
+   {
+    "name": "reason",
+    "type": "str",
+    "enum": [
+     "slow",
+     "bus"
+    ]
    }
   ]
  },
@@ -542,6 +889,19 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
      25,
      50
     ]
+   },
+   {
+    "name": "sample",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   },
+   {
+    "name": "marks",
+    "type": "list",
+    "of": "mark",
+    "max": 16,
+    "optional": true
    }
   ]
  },
@@ -562,12 +922,38 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
    {
     "name": "pcm",
     "type": "i16",
-    "max": 8192
+    "max": 8192,
+    "optional": true
+   },
+   {
+    "name": "samples",
+    "type": "int",
+    "min": 0,
+    "max": 8192,
+    "optional": true
+   },
+   {
+    "name": "key",
+    "type": "bool",
+    "optional": true
+   },
+   {
+    "name": "mask",
+    "type": "u8",
+    "max": 144,
+    "optional": true
    },
    {
     "name": "faps",
+    "type": "i16",
+    "max": 1024,
+    "optional": true
+   },
+   {
+    "name": "wide",
     "type": "i32",
-    "max": 1024
+    "max": 1024,
+    "optional": true
    },
    {
     "name": "marks",
@@ -580,6 +966,27 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "name": "hold",
     "type": "bool",
     "optional": true
+   }
+  ]
+ },
+ "discard": {
+  "from": "server",
+  "fields": [
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647
+   },
+   {
+    "name": "sample",
+    "type": "int",
+    "min": 0
+   },
+   {
+    "name": "char",
+    "type": "int",
+    "min": 0
    }
   ]
  },
@@ -628,6 +1035,12 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "type": "int",
     "min": 0,
     "max": 4294967295
+   },
+   {
+    "name": "received",
+    "type": "int",
+    "min": 0,
+    "optional": true
    }
   ]
  },
@@ -654,22 +1067,42 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "min": 1,
     "max": 2147483647,
     "optional": true
+   },
+   {
+    "name": "retry_ms",
+    "type": "int",
+    "min": 0,
+    "max": 3600000,
+    "optional": true
    }
   ]
  }
 };
 
+/** Messages that are not counted and not sent again after a lost connection. */
+export const EPHEMERAL: ReadonlySet<string> = new Set(["hello", "listen", "ack", "ping", "ready", "pong"]);
+
 export const SESSION_CLIENT: Record<string, Record<string, string>> = {
  "opening": {
   "hello": "open",
+  "listen": "listening",
   "bye": "closed"
  },
  "open": {
   "speak": "open",
   "end": "open",
   "interrupt": "open",
+  "splice": "open",
+  "seek": "open",
+  "pause": "open",
+  "continue": "open",
   "ack": "open",
   "ping": "open",
+  "bye": "closed"
+ },
+ "listening": {
+  "ack": "listening",
+  "ping": "listening",
   "bye": "closed"
  },
  "closed": {}
@@ -684,9 +1117,24 @@ export const SESSION_SERVER: Record<string, Record<string, string>> = {
   "ready": "open",
   "begin": "open",
   "packet": "open",
+  "discard": "open",
   "done": "open",
   "pong": "open",
   "error": "open",
+  "bye": "closed"
+ },
+ "listening": {
+  "ready": "listening",
+  "live": "listening",
+  "skip": "listening",
+  "begin": "listening",
+  "packet": "listening",
+  "discard": "listening",
+  "pause": "listening",
+  "continue": "listening",
+  "done": "listening",
+  "pong": "listening",
+  "error": "listening",
   "bye": "closed"
  },
  "closed": {
@@ -702,44 +1150,77 @@ export const TURN_CLIENT: Record<string, Record<string, string>> = {
   "speak": "feeding",
   "end": "ended",
   "interrupt": "stopping",
+  "splice": "feeding",
+  "seek": "feeding",
+  "pause": "feeding",
+  "continue": "feeding",
   "ack": "feeding"
  },
  "ended": {
   "interrupt": "stopping",
+  "splice": "feeding",
+  "seek": "ended",
+  "pause": "ended",
+  "continue": "ended",
   "ack": "ended"
  },
  "stopping": {
   "speak": "stopping",
   "end": "stopping",
   "interrupt": "stopping",
+  "splice": "stopping",
+  "seek": "stopping",
+  "pause": "stopping",
+  "continue": "stopping",
   "ack": "stopping"
+ },
+ "watched": {
+  "ack": "watched"
  },
  "over": {
   "speak": "over",
   "end": "over",
   "interrupt": "over",
+  "splice": "over",
+  "seek": "over",
+  "pause": "over",
+  "continue": "over",
   "ack": "over"
  }
 };
 
 export const TURN_SERVER: Record<string, Record<string, string>> = {
+ "new": {
+  "begin": "watched"
+ },
  "feeding": {
   "begin": "feeding",
   "packet": "feeding",
+  "discard": "feeding",
   "done": "over",
   "error": "feeding"
  },
  "ended": {
   "begin": "ended",
   "packet": "ended",
+  "discard": "ended",
   "done": "over",
   "error": "ended"
  },
  "stopping": {
   "begin": "stopping",
   "packet": "stopping",
+  "discard": "stopping",
   "done": "over",
   "error": "stopping"
+ },
+ "watched": {
+  "begin": "watched",
+  "packet": "watched",
+  "discard": "watched",
+  "pause": "watched",
+  "continue": "watched",
+  "done": "over"
  },
  "over": {
   "error": "over"
@@ -756,6 +1237,11 @@ export const ERRORS: Record<string, boolean> = {
  "unknown_language": false,
  "voice_unavailable": false,
  "synthesis_failed": false,
+ "busy": true,
+ "unauthorised": true,
+ "unknown_channel": true,
+ "channel_taken": true,
+ "too_slow": true,
  "timeout": true,
  "internal": true
 };
