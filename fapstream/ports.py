@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator, AsyncIterator
 from typing import TYPE_CHECKING, Protocol
 
 from fapstream.records import Speech, Utterance
@@ -61,6 +61,19 @@ class Clock(Protocol):
 
     async def sleep_until(self, when: float) -> None:
         """Return at `when` or later."""
+
+
+class Bus(Protocol):
+    """Carries entries of channels between processes. Entries of a channel arrive in order."""
+
+    def publish(self, channel: str, entry: bytes) -> None:
+        """Returns at once."""
+
+    def subscribe(self, channel: str) -> AsyncGenerator[bytes | None, None]:
+        """The newest entries, and those that come; None: something may be missing here."""
+
+    async def aclose(self) -> None:
+        """Leave it."""
 
 
 class Landmarker(Protocol):

@@ -64,17 +64,13 @@ class FapDecoder:
         do not agree.
         """
         n = len(self._shown)
-        mask = np.frombuffer(changes.mask or b"", np.uint8)
-        if len(mask) % -(-n // 8):
-            raise RemoteProtocolError(f"a mask of {len(mask)} bytes is no frames of {n} channels")
+        changed = _changed(changes.mask or b"", n)
         if changes.faps is not None and changes.wide is not None:
             raise RemoteProtocolError("a packet has either `faps` or `wide`")
-        bits = np.unpackbits(mask.reshape(-1, -(-n // 8)), axis=1, bitorder="little")
-        changed, beyond = bits[:, :n].astype(bool), bits[:, n:]
         values = changes.wide if changes.faps is None else changes.faps
         given = 0 if values is None else len(values)
-        if beyond.any() or changed.sum() != given:
-            raise RemoteProtocolError(f"the mask wants {bits.sum()} FAP values, there are {given}")
+        if changed.sum() != given:
+            raise RemoteProtocolError(f"the mask wants {changed.sum()} FAP values, there are {given}")
         shown = np.zeros_like(self._shown) if changes.key else self._shown
         rows, at = [], 0
         for row in changed:
@@ -85,3 +81,14 @@ class FapDecoder:
             rows.append(shown)
         self._shown = shown
         return rows
+
+
+def _changed(mask: bytes, n: int) -> NDArray[np.bool_]:
+    """Which channels change, (frames, n). Raises RemoteProtocolError."""
+    width = -(-n // 8)
+    if len(mask) % width:
+        raise RemoteProtocolError(f"a mask of {len(mask)} bytes is no frames of {n} channels")
+    bits = np.unpackbits(np.frombuffer(mask, np.uint8).reshape(-1, width), axis=1, bitorder="little")
+    if bits[:, n:].any():
+        raise RemoteProtocolError(f"the mask names channels beyond {n}")
+    return bits[:, :n].astype(np.bool_)

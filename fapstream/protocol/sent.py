@@ -14,7 +14,7 @@ class _Entry(NamedTuple):
 class Sent:
     """Counted messages, the first of a session being number 1, until the other side is known to have them.
 
-    Weights are what the ring is measured in: milliseconds of sound at the server's end, bytes at the client's.
+    Weights are what the ring is measured in: ms of sound at the server's end, bytes at the client's.
     """
 
     def __init__(self) -> None:

@@ -137,7 +137,7 @@ class ServerSession(_Session):
             raise RemoteProtocolError(str(e)) from e
         if isinstance(message, ForTurn) and self.state == "open":
             return self._receive_turn(message)
-        return [message]
+        return [cast(ClientEvent, message)]
 
     def _receive_turn(self, message: ForTurn) -> list[ClientEvent]:
         number = message.turn
@@ -254,7 +254,7 @@ class ClientSession(_Session):
         if ready.resumed:
             again = self.sent.after(ready.received or 0)
             if again is None:
-                raise RemoteProtocolError("the server missed more than is kept here; the session cannot go on")
+                raise RemoteProtocolError("the server missed more than is kept here: no going on")
             self.again = again
         elif self.state == "open":
             self._forget_turns()
@@ -301,9 +301,7 @@ class ClientSession(_Session):
             bool(message.hold),
         )
 
-    def _frames(
-        self, rows: list[Row], sample: int, begin: g.Begin
-    ) -> tuple[records.FapFrame, ...]:
+    def _frames(self, rows: list[Row], sample: int, begin: g.Begin) -> tuple[records.FapFrame, ...]:
         numbers = np.frombuffer(self.ready.faps if self.ready else bytes(FAP_NUMBERS), np.uint8)
         first = -(-sample * begin.fps // begin.sample_rate)
         frames = []

@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed
 
 from fapstream.errors import FapstreamError, RemoteProtocolError
 from fapstream.protocol import adapting
-from fapstream.server.connection import SEND_DEADLINE_S, Socket
+from fapstream.server.link import SEND_DEADLINE_S
 
 log = logging.getLogger("fapstream.server")
 
@@ -20,6 +20,16 @@ Message = dict[str, Any]
 
 MOST_SESSIONS = 4
 """Pages that adapt at the same time: each keeps photos in memory and the processor busy."""
+
+
+class Socket(Protocol):
+    """What is used of a websocket."""
+
+    async def recv(self) -> bytes | str:
+        """Next message; raises ConnectionClosed."""
+
+    async def send(self, message: bytes) -> None:
+        """Returns when there is room; raises ConnectionClosed."""
 
 
 class Work(Protocol):

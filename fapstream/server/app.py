@@ -17,8 +17,11 @@ from websockets.typing import Subprotocol
 from fapstream.protocol import adapting
 from fapstream.protocol import generated as g
 from fapstream.server.adapting import Adapting
-from fapstream.server.connection import Connection, Service
+from fapstream.server.connection import Connection, Gate
 from fapstream.server.http import Answer, Site
+from fapstream.server.link import WebSocketLink
+from fapstream.server.lobby import Lobby
+from fapstream.server.service import Service
 
 log = logging.getLogger("fapstream.server")
 
@@ -30,11 +33,14 @@ GOODBYE_S = 2.0
 class App:
     """The server's state: who is connected."""
 
-    def __init__(self, service: Service, site: Site, pages: Adapting | None = None) -> None:
+    def __init__(
+        self, service: Service, site: Site, lobby: Lobby, gate: Gate, pages: Adapting | None = None
+    ) -> None:
+        self.lobby = lobby
         self._service = service
         self._site = site
+        self._gate = gate
         self._pages = pages
-        self._connections: set[Connection] = set()
 
     async def handle(self, socket: ServerConnection) -> None:
         """One websocket from its handshake to its end."""
@@ -42,12 +48,9 @@ class App:
             socket.protocol.max_message_size = adapting.MAX_MESSAGE_BYTES
             await self._pages.handle(socket)
             return
-        connection = Connection(socket, self._service)
-        self._connections.add(connection)
-        try:
-            await connection.run()
-        finally:
-            self._connections.discard(connection)
+        link = WebSocketLink(socket)
+        address = socket.remote_address[0] if socket.remote_address else ""
+        await Connection(link, address, self._service, self.lobby, self._gate).run()
 
     def http(self, socket: ServerConnection, request: Request) -> Response | None:
         """Answer a plain request; None lets a websocket handshake go on."""
@@ -61,12 +64,6 @@ class App:
         return _response(
             self._site.answer(path, headers.get("Accept-Encoding", ""), headers.get("If-None-Match", ""))
         )
-
-    async def goodbye(self) -> None:
-        """Tell everyone that the server goes down."""
-        goodbyes = [c.close("the server is going down") for c in self._connections]
-        async with asyncio.timeout(GOODBYE_S):
-            await asyncio.gather(*goodbyes, return_exceptions=True)
 
 
 def _response(answer: Answer) -> Response:
@@ -86,15 +83,11 @@ def _subprotocol(socket: ServerConnection, offered: Sequence[Subprotocol]) -> Su
 
 
 @asynccontextmanager
-async def running(
-    service: Service, site: Site, host: str, port: int, pages: Adapting | None = None
-) -> AsyncIterator[Server]:
-    """The server, listening; with `pages`, heads can be made at /adapt. Leaving says goodbye to everyone
-    and closes.
+async def running(app: App, host: str, port: int) -> AsyncIterator[Server]:
+    """The server, listening. Leaving says goodbye to everyone and closes.
 
     Raises OSError.
     """
-    app = App(service, site, pages)
     async with serve(
         app.handle,
         host,
@@ -107,10 +100,13 @@ async def running(
         close_timeout=GOODBYE_S,
         logger=logging.getLogger("fapstream.websockets"),
     ) as server:
+        app.lobby.open()
         try:
             yield server
         finally:
             try:
-                await app.goodbye()
+                async with asyncio.timeout(GOODBYE_S):
+                    await app.lobby.goodbye("the server is going down")
             except TimeoutError:
                 log.warning("some clients did not say goodbye")
+            await app.lobby.aclose()

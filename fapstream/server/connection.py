@@ -1,4 +1,4 @@
-"""One client: a socket joined to a ServerSession, and its turns spoken one after the other."""
+"""One connection from its first message to its end: joined to a conversation, or to a channel."""
 
 from __future__ import annotations
 
@@ -6,347 +6,153 @@ import asyncio
 import logging
 import secrets
 from collections.abc import Callable
-from contextlib import aclosing, suppress
-from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol
+from dataclasses import replace
+from typing import Protocol
 
 from websockets.exceptions import ConnectionClosed
 
-from fapstream import __version__
-from fapstream.errors import FapstreamError, InputError, RemoteProtocolError, TextTooLong
-from fapstream.pipeline import Pipeline
-from fapstream.ports import Clock, Synthesizer
+from fapstream.errors import FapstreamError, RemoteProtocolError
 from fapstream.protocol import generated as g
-from fapstream.protocol.session import FAP_NUMBERS, ClientEvent, EndOfText, ServerSession, Text
-from fapstream.records import TurnFormat
-from fapstream.stream import Pacer
-from fapstream.talk import MAX_PENDING_TEXT, Talk
-from fapstream.tts import DEFAULT_LOOK_AHEAD, PHRASE, FrontEnd, Manner
-from fapstream.tts.voices import Voice
+from fapstream.protocol.codec import encode
+from fapstream.protocol.session import ServerSession
+from fapstream.server.conversation import Conversation, ready
+from fapstream.server.link import Link
+from fapstream.server.listener import Listening
+from fapstream.server.lobby import Lobby
+from fapstream.server.service import Service
 
 log = logging.getLogger("fapstream.server")
 
-Reason = Literal["end", "interrupted", "failed"]
-
-SEND_DEADLINE_S = 20.0
-"""A client that takes nothing for so long is dropped."""
+Leave = Callable[[], None]
 
 
-class Voices(Protocol):
-    """The voices this server has."""
+class Gate(Protocol):
+    """Who may come in. What is returned is called when the session is over."""
 
-    def find(self, voice: str | None, lang: str | None) -> Voice:
-        """The voice wished for. Raises UnknownVoice, UnknownLanguage, VoiceUnavailable."""
+    def speak(self, hello: g.Hello, address: str) -> Leave:
+        """Raises NotAuthorised, Busy."""
 
-    def all(self) -> tuple[Voice, ...]:
-        """Every voice that can speak here."""
+    def listen(self, wish: g.Listen, address: str) -> Leave:
+        """Raises NotAuthorised, Busy."""
 
-    async def acquire(self, voice: Voice) -> Synthesizer:
-        """Ready for one turn. Raises SynthesisError."""
-
-
-class Socket(Protocol):
-    """What is used of a websocket."""
-
-    async def recv(self) -> bytes | str:
-        """Next message; raises ConnectionClosed."""
-
-    async def send(self, message: bytes) -> None:
-        """Returns when there is room; raises ConnectionClosed."""
-
-    async def close(self, code: int = 1000, reason: str = "") -> None:
-        """Closing handshake."""
-
-
-@dataclass(frozen=True, slots=True)
-class Service:
-    """What all connections share."""
-
-    voices: Voices
-    clock: Clock
-    heads: Callable[[], tuple[str, ...]]
-    lang: str = "en"
-    voice: str | None = None
-    manner: Manner = field(default_factory=lambda: Manner(look_ahead=DEFAULT_LOOK_AHEAD))
-    """How turns are read that do not say otherwise; its lexicon is for `lang` only."""
-
-
-@dataclass(slots=True)
-class _Turn:
-    """A turn from its first fragment to its `done`."""
-
-    opening: g.Speak
-    voice: Voice
-    text: list[str] = field(default_factory=list)
-    ended: bool = False
-    talk: Talk | None = None
-    pacer: Pacer | None = None
-    task: asyncio.Task[None] | None = None
-    sent: int = 0
-    interrupt: g.Interrupt | None = None
-    over: bool = False
-
-    @property
-    def number(self) -> int:
-        return self.opening.turn
-
-    def feed(self, text: str) -> None:
-        """Raises TextTooLong."""
-        if self.talk:
-            self.talk.feed(text)
-            return
-        waiting = sum(map(len, self.text)) + len(text)
-        if waiting > MAX_PENDING_TEXT:
-            raise TextTooLong(waiting, MAX_PENDING_TEXT)
-        self.text.append(text)
-
-    def end(self) -> None:
-        self.ended = True
-        if self.talk:
-            self.talk.end()
-
-
-def _manner(opening: g.Speak, service: Service, lang: str) -> Manner:
-    """How a turn wants to be read."""
-    usual = service.manner
-    ahead = opening.look_ahead
-    return replace(
-        usual,
-        rate=usual.rate if opening.rate is None else opening.rate / 100,
-        pitch=usual.pitch if opening.pitch is None else opening.pitch / 100,
-        volume=usual.volume if opening.volume is None else opening.volume / 100,
-        look_ahead=usual.look_ahead if ahead is None else ahead if ahead < g.LONGEST_LOOK_AHEAD else PHRASE,
-        lexicon=usual.lexicon if lang == service.lang else {},
-    )
+    def delay(self, connection: object, size: int) -> float:
+        """Seconds to wait before the next message of a connection is read."""
 
 
 class Connection:
-    """Runs one client until it leaves or breaks the contract."""
+    """Runs one client until it leaves, is lost or breaks the contract."""
 
-    def __init__(self, socket: Socket, service: Service) -> None:
-        self._socket = socket
+    def __init__(self, link: Link, address: str, service: Service, lobby: Lobby, gate: Gate) -> None:
+        self._link = link
+        self._address = address
         self._service = service
+        self._lobby = lobby
+        self._gate = gate
         self._session = ServerSession()
-        self._hello = g.Hello()
-        self._turns: dict[int, _Turn] = {}
-        self._queue: asyncio.Queue[_Turn] = asyncio.Queue()
 
     async def run(self) -> None:
-        """Returns when the session is over; never raises for what the client did."""
-        speaker: asyncio.Task[None] | None = None
+        """Returns when the connection is over; never raises for what the client did."""
         try:
             async with asyncio.timeout(g.HELLO_DEADLINE_MS / 1000):
-                while self._session.state == "opening":
-                    await self._take(await self._socket.recv())
-            speaker = asyncio.create_task(self._speak_turns())
-            while self._session.state == "open":
-                await self._take(await self._socket.recv())
+                first = await self._first()
+            if isinstance(first, g.Hello):
+                await self._speak(first)
+            elif isinstance(first, g.Listen):
+                await self._listen(first)
         except TimeoutError:
-            opening = self._session.state == "opening"
-            await self._fail("timeout", "no hello in time" if opening else "the client does not read")
+            await self._fail("timeout", "no hello in time", 1002)
+        except ConnectionClosed:
+            pass
+        except FapstreamError as e:
+            busy = getattr(e, "retry_ms", None)
+            await self._fail(e.code, str(e), 1013 if busy is not None else 1002, busy)
+        except Exception:
+            log.exception("a connection failed")
+            await self._fail("internal", "the server made a mistake; please connect again", 1011)
+        finally:
+            await self._link.close()
+
+    async def _first(self) -> g.Hello | g.Listen | None:
+        """What the client comes for; None if it says goodbye at once."""
+        while self._session.state == "opening":
+            try:
+                for event in self._session.receive(_bytes(await self._link.recv())):
+                    if isinstance(event, g.Hello | g.Listen):
+                        return event
+            except RemoteProtocolError as e:
+                if e.fatal:
+                    raise
+                self._link.write(encode(g.Error(code=e.code, message=str(e)[:1000], fatal=False)))
+        return None
+
+    async def _speak(self, hello: g.Hello) -> None:
+        conversation = self._enter(hello)
+        try:
+            while conversation.session.state == "open" and conversation.link is self._link:
+                data = await self._link.recv()
+                if conversation.link is not self._link:
+                    return  # resumed over another connection, which brings this message again
+                await conversation.take(data)
+                await self._not_too_fast(data)
+        except RemoteProtocolError as e:
+            await conversation.fail(e.code, str(e))
         except ConnectionClosed:
             pass
         except Exception:
-            log.exception("a session failed")
-            await self._fail("internal", "the server made a mistake; please connect again")
+            log.exception("a session failed", extra={"session": conversation.id})
+            await conversation.fail("internal", "the server made a mistake; please connect again")
         finally:
-            if speaker:
-                speaker.cancel()
-                await asyncio.gather(speaker, return_exceptions=True)
-            with suppress(ConnectionClosed):
-                await self._socket.close()
+            self._lobby.lost(conversation, self._link)
 
-    async def close(self, reason: str) -> None:
-        """The server goes down."""
-        with suppress(ConnectionClosed, FapstreamError):
-            await self._send(g.Bye(reason=reason))
-            await self._socket.close(1001, reason)
-
-    # what comes in
-
-    async def _take(self, data: bytes | str) -> None:
+    def _enter(self, hello: g.Hello) -> Conversation:
+        if hello.resume and (found := self._lobby.resume(hello, self._link)):
+            return found
+        leave = self._gate.speak(hello, self._address)
         try:
-            if isinstance(data, str):
-                raise RemoteProtocolError("messages are binary frames")
-            for event in self._session.receive(data):
-                await self._handle(event)
+            return self._lobby.enter(self._session, hello, self._link, leave)
+        except BaseException:
+            leave()
+            raise
+
+    async def _listen(self, wish: g.Listen) -> None:
+        self._lobby.check_channel(wish.channel)
+        leave = self._gate.listen(wish, self._address)
+        listening = Listening(self._link, wish.prefer or "sound", self._service.clock.now)
+        try:
+            name = secrets.token_hex(8)
+            self._link.write(encode(replace(ready(self._service, name, 25), channel=wish.channel)))
+            self._lobby.listen(listening, self._link, wish)
+            while self._session.state == "listening":
+                data = await self._link.recv()
+                self._heard(data)
+                await self._not_too_fast(data)
+        finally:
+            self._lobby.deafen(listening)
+            leave()
+
+    def _heard(self, data: bytes | str) -> None:
+        """Raises RemoteProtocolError if the session is to end."""
+        try:
+            for event in self._session.receive(_bytes(data)):
+                if isinstance(event, g.Ping):
+                    self._link.write(encode(g.Pong(id=event.id)))
         except RemoteProtocolError as e:
             if e.fatal:
-                await self._fail(e.code, str(e))
-            else:
-                await self._send(g.Error(code=e.code, message=str(e)[:1000], fatal=False))
+                raise
+            self._link.write(encode(g.Error(code=e.code, message=str(e)[:1000], fatal=False)))
 
-    async def _handle(self, event: ClientEvent) -> None:
-        match event:
-            case g.Hello():
-                self._hello = event
-                await self._send(self._ready())
-            case Text():
-                await self._text(event)
-            case EndOfText() if event.turn in self._turns:
-                turn = self._turns[event.turn]
-                if event.text:
-                    await self._text(Text(event.turn, event.text))
-                turn.end()
-            case g.Interrupt() if event.turn in self._turns:
-                await self._interrupt(self._turns[event.turn], event)
-            case g.Ack() if event.turn in self._turns:
-                if pacer := self._turns[event.turn].pacer:
-                    pacer.acknowledge(event.sample, self._service.clock.now())
-            case g.Ping():
-                await self._send(g.Pong(id=event.id))
-            case _:
-                pass
+    async def _not_too_fast(self, data: bytes | str) -> None:
+        delay = self._gate.delay(self, len(data))
+        if delay > 0:
+            await asyncio.sleep(delay)
 
-    async def _text(self, event: Text) -> None:
-        try:
-            if event.opening:
-                self._open(event.opening)
-            if turn := self._turns.get(event.turn):
-                turn.feed(event.text)
-        except TextTooLong as e:
-            await self._refuse(event.turn, e)
-        except FapstreamError as e:
-            await self._refuse(event.turn, e)
-            await self._send(g.Done(turn=event.turn, reason="failed", samples=0))
-
-    def _open(self, opening: g.Speak) -> None:
-        """Raises UnknownVoice, UnknownLanguage, VoiceUnavailable, TooManyTurns."""
-        if len(self._turns) >= g.MAX_PENDING_TURNS:
-            raise TooManyTurns(len(self._turns))
-        service, hello = self._service, self._hello
-        lang = opening.lang or hello.lang
-        name = opening.voice or (None if opening.lang else hello.voice)
-        if name is None and lang is None:
-            name, lang = service.voice, service.lang
-        turn = _Turn(opening, service.voices.find(name, lang))
-        self._turns[turn.number] = turn
-        self._queue.put_nowait(turn)
-
-    async def _interrupt(self, turn: _Turn, event: g.Interrupt) -> None:
-        if turn.interrupt:
-            return
-        turn.interrupt = event
-        if turn.task:
-            turn.task.cancel()
-        elif not turn.over:
-            await self._done(turn, "interrupted")
-
-    # what goes out
-
-    async def _speak_turns(self) -> None:
-        while True:
-            turn = await self._queue.get()
-            if turn.over:
-                continue
-            turn.task = asyncio.create_task(self._speak(turn))
-            try:
-                await turn.task
-                await self._done(turn, "end")
-            except asyncio.CancelledError:
-                me = asyncio.current_task()
-                if me and me.cancelling():
-                    raise  # the session is over, whether or not the turn was interrupted as well
-                await self._done(turn, "interrupted")
-            except ConnectionClosed:
-                return
-            except FapstreamError as e:
-                await self._refuse(turn.number, e)
-                await self._done(turn, "failed")
-            except TimeoutError:
-                await self._socket.close(1008, "the client does not read")
-                return
-            except Exception:
-                log.exception("turn %d failed", turn.number)
-                await self._fail("internal", "the server made a mistake; please connect again")
-                return
-
-    async def _speak(self, turn: _Turn) -> None:
-        voice, clock = turn.voice, self._service.clock
-        form = TurnFormat(turn.number, voice.name, voice.lang, voice.sample_rate, self._hello.fps or 25)
-        manner = _manner(turn.opening, self._service, voice.lang).of(voice)
-        synthesizer = await self._service.voices.acquire(voice)
-        pacer = turn.pacer = Pacer(voice.sample_rate)
-        pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
-        talk = Talk(pipeline, synthesizer, lambda: pacer.heard(clock.now()) / voice.sample_rate)
-        self._hand_over(turn, talk)
-        try:
-            await self._send(
-                g.Begin(turn=form.turn, voice=voice.name, lang=voice.lang,
-                        sample_rate=form.sample_rate, fps=form.fps)
-            )  # fmt: skip
-            async with aclosing(talk.packets()) as packets:
-                async for packet in packets:
-                    await clock.sleep_until(pacer.due(packet.start, clock.now()))
-                    await self._send_bytes(self._session.send_packet(packet))
-                    turn.sent = packet.start + len(packet.pcm)
-                    pacer.sent(packet.start, turn.sent, clock.now())
-        finally:
-            await talk.aclose()
-
-    def _hand_over(self, turn: _Turn, talk: Talk) -> None:
-        """Text that came while the turn waited goes to its talk, and from now on all text."""
-        for text in turn.text:
-            talk.feed(text)
-        turn.text.clear()
-        turn.talk = talk
-        if turn.ended:
-            talk.end()
-
-    async def _done(self, turn: _Turn, reason: Reason) -> None:
-        turn.over = True
-        self._turns.pop(turn.number, None)
-        if reason != "interrupted":
-            await self._send(g.Done(turn=turn.number, reason=reason, samples=turn.sent))
-            return
-        wished = turn.interrupt.heard if turn.interrupt else None
-        if wished is None:
-            wished = turn.pacer.heard(self._service.clock.now()) if turn.pacer else 0
-        heard = min(wished, turn.sent)
-        char = turn.talk.heard_char(heard) if turn.talk and heard else 0
-        await self._send(
-            g.Done(turn=turn.number, reason="interrupted", samples=turn.sent, heard=heard, char=char)
-        )
-
-    def _ready(self) -> g.Ready:
-        return g.Ready(
-            server=f"fapstream {__version__}",
-            session=secrets.token_hex(8),
-            fps=self._hello.fps or 25,
-            faps=bytes(FAP_NUMBERS),
-            voices=tuple(
-                g.Voice(
-                    name=v.name, lang=v.lang, engine=v.engine,
-                    sample_rate=v.sample_rate, description=v.description,
-                )
-                for v in self._service.voices.all()
-            ),
-            heads=self._service.heads(),
-        )  # fmt: skip
-
-    async def _refuse(self, turn: int, error: FapstreamError) -> None:
-        await self._send(g.Error(code=error.code, message=str(error)[:1000], fatal=False, turn=turn))
-
-    async def _fail(self, code: str, message: str) -> None:
-        with suppress(ConnectionClosed, FapstreamError, TimeoutError):
-            await self._send(g.Error(code=code, message=message[:1000], fatal=True))
-        self._session.state = "closed"
-        with suppress(ConnectionClosed):
-            await self._socket.close(1002 if code != "internal" else 1011, code)
-
-    async def _send(self, message: g.ServerMessage) -> None:
-        await self._send_bytes(self._session.send(message))
-
-    async def _send_bytes(self, data: bytes) -> None:
-        async with asyncio.timeout(SEND_DEADLINE_S):
-            await self._socket.send(data)
+    async def _fail(self, code: str, message: str, close: int, retry_ms: int | None = None) -> None:
+        error = g.Error(code=code, message=message[:1000], fatal=True, retry_ms=retry_ms)
+        self._link.write(encode(error))
+        await self._link.close(close, code)
 
 
-class TooManyTurns(InputError):
-    """More turns wait than the protocol allows."""
-
-    code = "too_many_turns"
-
-    def __init__(self, waiting: int) -> None:
-        super().__init__(f"{waiting} turns are waiting already; wait until one is done")
-        self.waiting = waiting
+def _bytes(data: bytes | str) -> bytes:
+    if isinstance(data, str):
+        raise RemoteProtocolError("messages are binary frames")
+    return data

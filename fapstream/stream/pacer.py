@@ -5,6 +5,13 @@ from __future__ import annotations
 LEAD_S = 1.5
 """Packets are sent this far ahead of what is heard, so a listener never has more in store."""
 
+SHARED_LEAD_S = 0.5
+"""The same where many listen: what is in store is late for them."""
+
+FIRST_S, BUILD_UP = 0.3, 2.5
+"""A turn begins with so much at once; then it is sent so many times faster than real time until the lead is
+reached. Whoever begins leaves time to those who speak, and less is made in vain if it is interrupted."""
+
 
 class Pacer:
     """The clock of one turn as the listener is thought to hear it.
@@ -18,12 +25,14 @@ class Pacer:
         self._lead_s = lead_s
         self._origin: float | None = None
         self._sent_end = 0
+        self._paused_at: int | None = None
 
     def due(self, sample: int, now: float) -> float:
         """The time from which the packet that begins at `sample` may leave."""
         if self._origin is None:
             return now
-        return self._origin + sample / self._sample_rate - self._lead_s
+        at = sample / self._sample_rate
+        return self._origin + max(at - self._lead_s, (at - FIRST_S) / BUILD_UP)
 
     def sent(self, start: int, end: int, now: float) -> None:
         """A packet has left. One that comes after its time shifts everything behind it."""
@@ -31,13 +40,32 @@ class Pacer:
         self._origin = late if self._origin is None else max(self._origin, late)
         self._sent_end = max(self._sent_end, end)
 
+    def discard(self, sample: int) -> None:
+        """What was sent from `sample` on is void."""
+        self._sent_end = min(self._sent_end, sample)
+
     def acknowledge(self, sample: int, now: float) -> None:
         """The listener hears `sample` now. What it cannot have is clamped."""
-        if self._origin is not None:
-            self._origin = now - min(sample, self._sent_end) / self._sample_rate
+        sample = min(sample, self._sent_end)
+        if self._paused_at is not None:
+            self._paused_at = sample
+        elif self._origin is not None:
+            self._origin = now - sample / self._sample_rate
 
     def heard(self, now: float) -> int:
         """The sample thought to be heard, never beyond what was sent."""
+        if self._paused_at is not None:
+            return self._paused_at
         if self._origin is None:
             return 0
         return max(0, min(self._sent_end, int((now - self._origin) * self._sample_rate)))
+
+    def pause(self, now: float) -> None:
+        """What is heard stands still."""
+        self._paused_at = self.heard(now)
+
+    def go_on(self, now: float) -> None:
+        """It goes on where it stood."""
+        if self._paused_at is not None and self._origin is not None:
+            self._origin = now - self._paused_at / self._sample_rate
+        self._paused_at = None

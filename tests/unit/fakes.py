@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 import functools
 import selectors
-from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Coroutine, Sequence
 from typing import Any
 
 import numpy as np
 
+from fapstream.adapters.clock import MonotonicClock
 from fapstream.errors import SynthesisError, UnknownLanguage, UnknownVoice
 from fapstream.records import SILENCE, Phone, Speech, TimedPhone, Utterance
+from fapstream.server import Adapting, App, Lobby, Service, Site
 from fapstream.tts import LANGUAGES
 from fapstream.tts.voices import Voice, default_voice, voices
 
@@ -164,3 +166,65 @@ class Failing:
             self._left -= 1
             if self._left == 0:
                 raise SynthesisError(f"the voice broke in {where}")
+
+
+class FakeBus:
+    """A bus within one test: every entry goes to all who subscribe; the newest are kept for late ones."""
+
+    def __init__(self) -> None:
+        self.entries: dict[str, list[bytes | None]] = {}
+        self._queues: list[tuple[str, asyncio.Queue[bytes | None]]] = []
+
+    def publish(self, channel: str, entry: bytes) -> None:
+        self.inject(channel, entry)
+
+    def inject(self, channel: str, entry: bytes | None) -> None:
+        """An entry, or a gap."""
+        self.entries.setdefault(channel, []).append(entry)
+        for name, queue in self._queues:
+            if name == channel:
+                queue.put_nowait(entry)
+
+    async def subscribe(self, channel: str) -> AsyncGenerator[bytes | None, None]:
+        queue: asyncio.Queue[bytes | None] = asyncio.Queue()
+        for entry in self.entries.get(channel, [])[-100:]:
+            queue.put_nowait(entry)
+        self._queues.append((channel, queue))
+        try:
+            while True:
+                yield await queue.get()
+        finally:
+            self._queues.remove((channel, queue))
+
+    async def aclose(self) -> None:
+        pass
+
+
+class OpenGate:
+    """Lets everybody in, and counts."""
+
+    def __init__(self) -> None:
+        self.inside = 0
+
+    def speak(self, hello: object, address: str) -> Callable[[], None]:
+        return self._enter()
+
+    def listen(self, wish: object, address: str) -> Callable[[], None]:
+        return self._enter()
+
+    def delay(self, connection: object, size: int) -> float:
+        return 0.0
+
+    def _enter(self) -> Callable[[], None]:
+        self.inside += 1
+
+        def leave() -> None:
+            self.inside -= 1
+
+        return leave
+
+
+def fake_app(voices: FakeVoices | None = None, pages: Adapting | None = None) -> App:
+    """A server of fake voices that lets everybody in, in real time."""
+    service = Service(voices or FakeVoices(), MonotonicClock(), lambda: ("generic",))
+    return App(service, Site(), Lobby(service, FakeBus(), ("news",)), OpenGate(), pages)

@@ -13,22 +13,20 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 import fapstream
-from fapstream.adapters.clock import MonotonicClock
 from fapstream.client import ServerError, Talker, Turn, connect
 from fapstream.errors import ProtocolError
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import encode
 from fapstream.records import Packet
-from fapstream.server import Service, Site, running
-from tests.unit.fakes import Failing, FakeVoices
+from fapstream.server import running
+from tests.unit.fakes import Failing, FakeVoices, fake_app
 
 LONG = "This is said for quite a while, and then for longer. " * 20
 
 
 @asynccontextmanager
 async def served(fail: Callable[[str], None] | None = None) -> AsyncIterator[str]:
-    service = Service(FakeVoices(fail), MonotonicClock(), lambda: ("generic",))
-    async with running(service, Site(), "127.0.0.1", 0) as server:
+    async with running(fake_app(FakeVoices(fail)), "127.0.0.1", 0) as server:
         yield address(server)
 
 

@@ -17,10 +17,11 @@ from websockets.typing import Subprotocol
 from fapstream.errors import InputError
 from fapstream.protocol import adapting
 from fapstream.protocol.adapting import decode, encode
-from fapstream.server import Adapting, Site, running
+from fapstream.server import Adapting, running
 from fapstream.server.adapting import MOST_SESSIONS, MOST_WAITING, Message
-from tests.unit.server.peer import FakeSocket
-from tests.unit.server.test_app import port, service
+from tests.unit.fakes import fake_app
+from tests.unit.server.peer import FakeLink
+from tests.unit.server.test_app import port
 
 
 class Work:
@@ -38,6 +39,13 @@ class Work:
         self.seen.append(message)
         self.free.wait(5)
         return {"type": "fit", "seq": message.get("seq"), "size": len(message.get("data", b""))}
+
+
+class FakeSocket(FakeLink):
+    """With a `send` as websockets has it."""
+
+    async def send(self, message: bytes) -> None:
+        self.write(message)
 
 
 class Page:
@@ -136,7 +144,7 @@ async def test_only_so_many_pages_at_once() -> None:
 
 async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
     made = Work()
-    async with running(service(), Site(), "127.0.0.1", 0, Adapting(lambda clock: made)) as server:
+    async with running(fake_app(pages=Adapting(lambda clock: made)), "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{port(server)}"
         spoken = [Subprotocol(adapting.SUBPROTOCOL)]
         async with connect(url + adapting.PATH, subprotocols=spoken) as socket:
@@ -150,7 +158,7 @@ async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
 
 
 async def test_a_server_without_an_editor_has_no_such_socket() -> None:
-    async with running(service(), Site(), "127.0.0.1", 0) as server:
+    async with running(fake_app(), "127.0.0.1", 0) as server:
         with pytest.raises(InvalidStatus) as e:
             await connect(
                 f"ws://127.0.0.1:{port(server)}{adapting.PATH}",

@@ -12,22 +12,17 @@ from websockets.asyncio.server import Server
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
 
-from fapstream.adapters.clock import MonotonicClock
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import decode, encode
-from fapstream.server import Service, Site, running
-from tests.unit.fakes import FakeVoices
+from fapstream.server import Site, running
+from tests.unit.fakes import FakeVoices, fake_app
 
 PROTOCOLS = [Subprotocol(g.SUBPROTOCOL)]
 
 
-def service(voices: FakeVoices | None = None) -> Service:
-    return Service(voices or FakeVoices(), MonotonicClock(), lambda: ("generic",))
-
-
 @pytest.fixture
 async def server() -> AsyncIterator[Server]:
-    async with running(service(), Site(), "127.0.0.1", 0) as made:
+    async with running(fake_app(), "127.0.0.1", 0) as made:
         yield made
 
 
@@ -142,7 +137,7 @@ async def test_a_message_that_is_too_long_closes_the_session(server: Server) -> 
 
 async def test_going_down_says_goodbye_and_gives_the_voices_back() -> None:
     voices = FakeVoices()
-    async with running(service(voices), Site(), "127.0.0.1", 0) as server:
+    async with running(fake_app(voices), "127.0.0.1", 0) as server:
         socket = await connect(url(server), subprotocols=PROTOCOLS)
         await socket.send(encode(g.Hello()))
         await socket.send(encode(g.Speak(turn=1, text=b"Hello there, this is long. " * 20)))
@@ -154,12 +149,12 @@ async def test_going_down_says_goodbye_and_gives_the_voices_back() -> None:
     assert messages[-1].reason
     assert not any(isinstance(m, g.Error) for m in messages)
     assert [v.closes for v in voices.acquired] == [1]
-    [goodbye] = [decode(data, "server") async for data in binary(quiet)]
-    assert isinstance(goodbye, g.Bye)
+    assert not [data async for data in binary(quiet)]
+    assert quiet.close_code == 1001
     assert not server.is_serving()
 
 
 async def test_a_port_that_is_taken_is_told(server: Server) -> None:
     with pytest.raises(OSError, match="address already in use"):
-        async with running(service(), Site(), "127.0.0.1", port(server)):
+        async with running(fake_app(), "127.0.0.1", port(server)):
             pass

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fapstream.protocol import generated as g
-from fapstream.server import connection as module
+from fapstream.server import link as module
 from fapstream.tts import Manner, read_lexicon
 from tests.unit.fakes import Failing, FakeVoices, in_virtual_time
 from tests.unit.server.peer import Peer, peer
@@ -59,7 +59,8 @@ async def test_a_turn() -> None:
             assert packet.sample == at
             at += len(packet.pcm)
         assert done == g.Done(turn=1, reason="end", samples=at)
-        assert all(len(packet.faps) == 66 for packet in packets[:-1])
+        assert all(packet.key for packet in packets[::25]), "a key a second"
+        assert all(len(packet.mask) == 9 for packet in packets[:-1]), "a frame in each"
 
 
 @in_virtual_time
@@ -168,8 +169,8 @@ async def test_the_servers_lexicon_is_for_its_language() -> None:
 async def test_ping() -> None:
     async with peer() as p:
         p.send(g.Ping(id=7), g.Ping(id=4294967295))
-        assert await p.next() == g.Pong(id=7)
-        assert await p.next() == g.Pong(id=4294967295)
+        assert (await p.until(g.Pong)).id == 7
+        assert (await p.until(g.Pong)).id == 4294967295
 
 
 # what cannot be done
@@ -297,7 +298,7 @@ async def test_messages_of_a_later_version_are_skipped() -> None:
     async with peer() as p:
         p.raw(msgpack.packb({"type": "dance", "turn": 1}))
         p.send(g.Ping(id=1))
-        assert await p.next() == g.Pong(id=1)
+        assert (await p.until(g.Pong)).id == 1
 
 
 # interrupts
@@ -359,7 +360,7 @@ async def test_interrupting_a_turn_that_waits_and_one_that_is_over() -> None:
         p.send(g.Interrupt(turn=1), g.Interrupt(turn=2))
         assert (await p.until(g.Done)).turn == 3
         p.send(g.Ping(id=1))
-        assert await p.next() == g.Pong(id=1)
+        assert (await p.until(g.Pong)).id == 1
 
 
 @in_virtual_time
@@ -413,7 +414,7 @@ async def test_a_mistake_of_ours_is_told_and_closes_only_this_session() -> None:
         assert p.socket.closed
         assert p.socket.closed[0] == 1011
         other.send(g.Ping(id=1))
-        assert await other.next() == g.Pong(id=1)
+        assert (await other.until(g.Pong)).id == 1
 
 
 @in_virtual_time
@@ -431,7 +432,7 @@ async def test_a_client_that_never_reads_is_dropped(monkeypatch: pytest.MonkeyPa
     """Whether it is sent packets or answers."""
     monkeypatch.setattr(module, "SEND_DEADLINE_S", 0.5)
     async with peer() as p:
-        p.socket.reads.clear()
+        p.socket.stuck()
         p.send(g.Ping(id=1) if ping else g.Speak(turn=1, text=TEXT.encode()))
         start = asyncio.get_running_loop().time()
         await asyncio.wait_for(p.running, 10)
@@ -444,7 +445,7 @@ async def test_the_server_goes_down_in_the_middle_of_a_turn() -> None:
     async with peer() as p:
         p.send(*say(1, TEXT * 9))
         await p.until(g.Packet)
-        await p.connection.close("maintenance")
+        await p.world.lobby.goodbye("maintenance")
         await asyncio.wait_for(p.running, 5)
         left = []
         while not p.quiet():

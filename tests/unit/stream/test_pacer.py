@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fapstream.stream.pacer import LEAD_S, Pacer
+from fapstream.stream.pacer import FIRST_S, LEAD_S, Pacer
 
 RATE = 16000
 PACKET = 640
@@ -28,7 +30,7 @@ def test_before_anything_is_sent_nothing_waits_and_nothing_is_heard() -> None:
 def test_packets_leave_the_lead_before_they_are_heard() -> None:
     pacer = Pacer(RATE)
     send(pacer, 1, now=100.0)
-    assert pacer.due(RATE, 100.0) == pytest.approx(100.0 + 1.0 - LEAD_S)
+    assert pacer.due(5 * RATE, 100.0) == pytest.approx(100.0 + 5.0 - LEAD_S)
     assert pacer.due(10 * RATE, 100.0) == pytest.approx(100.0 + 10.0 - LEAD_S)
 
 
@@ -50,9 +52,9 @@ def test_acknowledgements_hold_back_and_let_go() -> None:
     pacer = Pacer(RATE)
     send(pacer, 30, now=0.0)
     pacer.acknowledge(0, 1.0)
-    assert pacer.due(2 * RATE, 1.0) == pytest.approx(1.0 + 2.0 - LEAD_S)
+    assert pacer.due(5 * RATE, 1.0) == pytest.approx(1.0 + 5.0 - LEAD_S)
     pacer.acknowledge(RATE, 1.5)
-    assert pacer.due(2 * RATE, 1.5) == pytest.approx(0.5 + 2.0 - LEAD_S)
+    assert pacer.due(5 * RATE, 1.5) == pytest.approx(0.5 + 5.0 - LEAD_S)
 
 
 def test_nobody_can_have_heard_what_was_not_sent() -> None:
@@ -80,3 +82,43 @@ def test_a_server_that_waits_until_due_is_never_further_ahead(
         assert 0 <= heard <= (k + 1) * size
         if ack is None:
             assert k * size - heard <= LEAD_S * rate + 1
+
+
+def test_a_turn_begins_with_a_little_and_builds_its_lead_up() -> None:
+    pacer = Pacer(RATE)
+    send(pacer, 1, now=0.0)
+    leads = []
+    for k in range(1, 100):
+        due = max(0.0, pacer.due(k * PACKET, 0.0))
+        pacer.sent(k * PACKET, (k + 1) * PACKET, due)
+        leads.append(k * PACKET / RATE - due)
+    assert max(leads) == pytest.approx(LEAD_S)
+    assert sum(pacer.due(k * PACKET, 0.0) <= 0.0 for k in range(100)) == pytest.approx(FIRST_S / 0.04, abs=1)
+    assert all(b >= a - 1e-9 for a, b in pairwise(leads))
+
+
+def test_a_pause_holds_what_is_heard_and_shifts_what_follows() -> None:
+    pacer = Pacer(RATE)
+    send(pacer, 50, now=0.0)
+    pacer.pause(1.0)
+    assert pacer.heard(9.0) == RATE
+    pacer.go_on(9.0)
+    assert pacer.heard(9.5) == RATE + RATE // 2
+    assert pacer.due(5 * RATE, 9.0) == pytest.approx(9.0 + 4.0 - LEAD_S)
+
+
+def test_an_acknowledgement_during_a_pause_moves_where_it_stands() -> None:
+    pacer = Pacer(RATE)
+    send(pacer, 50, now=0.0)
+    pacer.pause(1.0)
+    pacer.acknowledge(100, 2.0)
+    assert pacer.heard(3.0) == 100
+    pacer.go_on(4.0)
+    assert pacer.heard(4.0) == 100
+
+
+def test_what_is_void_cannot_have_been_heard() -> None:
+    pacer = Pacer(RATE)
+    send(pacer, 50, now=0.0)
+    pacer.discard(2 * PACKET)
+    assert pacer.heard(60.0) == 2 * PACKET

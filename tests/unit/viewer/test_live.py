@@ -12,23 +12,21 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fapstream.adapters.clock import MonotonicClock
 from fapstream.client import ServerError
 from fapstream.errors import InputError
 from fapstream.protocol import generated as g
 from fapstream.records import Packet
-from fapstream.server import Service, Site, running
+from fapstream.server import running
 from fapstream.viewer import live
 from fapstream.viewer.live import ConnectionLost, Wish, collect, perform
-from tests.unit.fakes import Failing, FakeVoices
+from tests.unit.fakes import Failing, FakeVoices, fake_app
 
 LONG = "This is said for quite a while, and then for longer. " * 6
 
 
 @asynccontextmanager
 async def served(fail: Callable[[str], None] | None = None) -> AsyncIterator[str]:
-    service = Service(FakeVoices(fail), MonotonicClock(), lambda: ("generic",))
-    async with running(service, Site(), "127.0.0.1", 0) as server:
+    async with running(fake_app(FakeVoices(fail)), "127.0.0.1", 0) as server:
         yield f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/ws"
 
 

@@ -1,0 +1,338 @@
+"""One session that speaks: its turns, spoken one after the other. It outlives its connection for a while."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+import time
+from contextlib import aclosing, suppress
+from typing import Literal, Protocol
+
+from websockets.exceptions import ConnectionClosed
+
+from fapstream import __version__
+from fapstream.errors import FapstreamError, LocalProtocolError, RemoteProtocolError, TextTooLong
+from fapstream.pipeline import Pipeline
+from fapstream.protocol import generated as g
+from fapstream.protocol.session import FAP_NUMBERS, ClientEvent, EndOfText, ServerSession, Text
+from fapstream.records import Packet, TurnFormat
+from fapstream.server.link import Link, drained
+from fapstream.server.service import Service
+from fapstream.server.turn import TooManyTurns, Turn, manner_of
+from fapstream.stream.pacer import LEAD_S, SHARED_LEAD_S, Pacer
+from fapstream.talk import Talk
+from fapstream.tts import FrontEnd
+
+log = logging.getLogger("fapstream.server")
+
+Reason = Literal["end", "interrupted", "failed"]
+
+HIGH_WATER = 65_536
+"""With more than so many bytes waiting to go, the speaker waits."""
+
+
+class Audience(Protocol):
+    """Who else hears a conversation."""
+
+    name: str
+    """The channel."""
+
+    def tell(self, message: g.ServerMessage, data: bytes) -> None:
+        """A message of a turn, and its frame. Returns at once."""
+
+
+class Conversation:
+    """Turns in, messages out. `link` is the connection it has at present, or None."""
+
+    def __init__(self, service: Service, session: ServerSession, hello: g.Hello) -> None:
+        self.id = f"{time.time_ns() // 1_000_000:012x}{secrets.token_hex(3)}"
+        """Names it, in logs and to listeners; no secret. Sorts by when it began."""
+        self.link: Link | None = None
+        self.audience: Audience | None = None
+        self.session = session
+        self._service = service
+        self._hello = hello
+        self._turns: dict[int, Turn] = {}
+        self._queue: asyncio.Queue[Turn] = asyncio.Queue()
+        self._taken = asyncio.Event()
+        self._speaker: asyncio.Task[None] | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Turns are being spoken or wait."""
+        return bool(self._turns)
+
+    def start(self, link: Link) -> None:
+        """Begin to speak turns as they come."""
+        self.link = link
+        self._speaker = asyncio.create_task(self._speak_turns())
+
+    def attach(self, link: Link, received: int) -> list[bytes] | None:
+        """Go on over another connection, which has so many messages: the frames it is to be sent first.
+
+        None, and nothing is changed, if the session cannot go on.
+        """
+        again = self.session.resumed(received)
+        if again is not None:
+            self.session.sent.forget(received)
+            self.link = link
+            self._taken.set()
+        return again
+
+    def detach(self, link: Link) -> None:
+        """The connection is lost."""
+        if self.link is link:
+            self.link = None
+
+    async def aclose(self) -> None:
+        """Stop, and give everything back."""
+        self.session.state = "closed"
+        if self._speaker:
+            self._speaker.cancel()
+            await asyncio.gather(self._speaker, return_exceptions=True)
+
+    def ready(self) -> g.Ready:
+        """What this server can do."""
+        return ready(self._service, self.id, self._hello.fps or 25)
+
+    # what comes in
+
+    async def take(self, data: bytes | str) -> None:
+        """A frame from the client. Raises RemoteProtocolError if the session is to end."""
+        try:
+            if isinstance(data, str):
+                raise RemoteProtocolError("messages are binary frames")
+            for event in self.session.receive(data):
+                await self._handle(event)
+        except RemoteProtocolError as e:
+            if e.fatal:
+                raise
+            await self.send(g.Error(code=e.code, message=str(e)[:1000], fatal=False))
+
+    async def _handle(self, event: ClientEvent) -> None:
+        match event:
+            case Text():
+                await self._text(event)
+            case EndOfText():
+                await self._end(event)
+            case g.Ping():
+                await self.send(g.Pong(id=event.id, received=self.session.received))
+            case g.Ack():
+                self._acknowledge(event)
+            case g.Interrupt() | g.Pause() | g.Continue():
+                if turn := self._turns.get(event.turn):
+                    await self._steer(turn, event)
+            case _:
+                pass
+
+    async def _text(self, event: Text) -> None:
+        try:
+            if event.opening:
+                self._open(event.opening)
+            if turn := self._turns.get(event.turn):
+                turn.feed(event.text)
+        except TextTooLong as e:
+            await self._refuse(event.turn, e)
+        except FapstreamError as e:
+            await self._refuse(event.turn, e)
+            await self.send(g.Done(turn=event.turn, reason="failed", samples=0))
+
+    async def _end(self, event: EndOfText) -> None:
+        if not (turn := self._turns.get(event.turn)):
+            return
+        try:
+            if event.text:
+                turn.feed(event.text)
+        except TextTooLong as e:
+            await self._refuse(event.turn, e)
+        turn.end()
+
+    def _open(self, opening: g.Speak) -> None:
+        """Raises UnknownVoice, UnknownLanguage, VoiceUnavailable, TooManyTurns."""
+        if len(self._turns) >= g.MAX_PENDING_TURNS:
+            raise TooManyTurns(len(self._turns))
+        service, hello = self._service, self._hello
+        lang = opening.lang or hello.lang
+        name = opening.voice or (None if opening.lang else hello.voice)
+        if name is None and lang is None:
+            name, lang = service.voice, service.lang
+        turn = Turn(opening, service.voices.find(name, lang), service.clock.now())
+        self._turns[turn.number] = turn
+        self._queue.put_nowait(turn)
+
+    def _acknowledge(self, ack: g.Ack) -> None:
+        if ack.received is not None:
+            self.session.sent.forget(ack.received)
+            self._taken.set()
+        turn = self._turns.get(ack.turn)
+        if turn and turn.pacer:
+            turn.pacer.acknowledge(ack.sample, self._service.clock.now())
+
+    async def _steer(self, turn: Turn, event: g.Interrupt | g.Pause | g.Continue) -> None:
+        now = self._service.clock.now()
+        if isinstance(event, g.Interrupt):
+            await self._interrupt(turn, event)
+        elif isinstance(event, g.Pause):
+            turn.pause(event.heard, now)
+            self._relay(g.Pause(turn=turn.number, heard=turn.heard(event.heard, now)))
+        else:
+            turn.go_on(now)
+            self._relay(event)
+
+    async def _interrupt(self, turn: Turn, event: g.Interrupt) -> None:
+        if turn.interrupt:
+            return
+        turn.interrupt = event
+        if turn.task:
+            turn.task.cancel()
+        elif not turn.over:
+            await self._done(turn, "interrupted")
+
+    # what is spoken
+
+    async def _speak_turns(self) -> None:
+        while True:
+            turn = await self._queue.get()
+            if turn.over:
+                continue
+            turn.task = asyncio.create_task(self._speak(turn))
+            try:
+                await turn.task
+                await self._done(turn, "end")
+            except asyncio.CancelledError:
+                me = asyncio.current_task()
+                if me and me.cancelling():
+                    raise  # the session is over, whether or not the turn was interrupted as well
+                await self._done(turn, "interrupted")
+            except FapstreamError as e:
+                await self._refuse(turn.number, e)
+                await self._done(turn, "failed")
+            except Exception:
+                log.exception("turn %d failed", turn.number, extra={"session": self.id})
+                await self.fail("internal", "the server made a mistake; please connect again")
+                return
+
+    async def _speak(self, turn: Turn) -> None:
+        voice, clock = turn.voice, self._service.clock
+        form = TurnFormat(turn.number, voice.name, voice.lang, voice.sample_rate, self._hello.fps or 25)
+        manner = manner_of(turn.opening, self._service, voice.lang).of(voice)
+        synthesizer = await self._service.voices.acquire(voice)
+        pacer = turn.pacer = Pacer(voice.sample_rate, SHARED_LEAD_S if self.audience else LEAD_S)
+        pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
+        talk = Talk(pipeline, synthesizer, lambda: pacer.heard(clock.now()) / voice.sample_rate)
+        turn.hand_over(talk)
+        try:
+            await self.send(
+                g.Begin(turn=form.turn, voice=voice.name, lang=voice.lang,
+                        sample_rate=form.sample_rate, fps=form.fps)
+            )  # fmt: skip
+            async with aclosing(talk.packets()) as packets:
+                async for packet in packets:
+                    await self._send_packet(turn, packet)
+        finally:
+            await talk.aclose()
+
+    async def _send_packet(self, turn: Turn, packet: Packet) -> None:
+        """Send it when its time has come, unless it is void by then."""
+        clock, pacer = self._service.clock, turn.pacer
+        assert pacer
+        cuts = len(turn.cuts)
+        await self._room()
+        while True:
+            await turn.going.wait()
+            await clock.sleep_until(pacer.due(packet.start, clock.now()))
+            if turn.going.is_set():
+                break
+        valid = turn.still_valid(packet, cuts)
+        if valid is None:
+            return
+        end = valid.start + len(valid.pcm)
+        turn.sent = end
+        pacer.sent(valid.start, end, clock.now())
+        await self.send(self.session.packet(valid))
+
+    async def _done(self, turn: Turn, reason: Reason) -> None:
+        turn.over = True
+        self._turns.pop(turn.number, None)
+        if reason != "interrupted":
+            await self.send(g.Done(turn=turn.number, reason=reason, samples=turn.sent))
+            return
+        said = turn.interrupt.heard if turn.interrupt else None
+        heard = turn.heard(said, self._service.clock.now())
+        char = turn.talk.heard_char(heard) if turn.talk and heard else 0
+        await self.send(
+            g.Done(turn=turn.number, reason="interrupted", samples=turn.sent, heard=heard, char=char)
+        )
+
+    async def _refuse(self, turn: int, error: FapstreamError) -> None:
+        await self.send(g.Error(code=error.code, message=str(error)[:1000], fatal=False, turn=turn))
+
+    # what goes out
+
+    async def send(self, message: g.ServerMessage) -> None:
+        """Send it, or keep it until the client is back. Returns when the connection takes more."""
+        data = self.session.send(message)
+        self._relay(message, data)
+        link = self.link
+        if link is None:
+            return
+        link.write(data)
+        self.session.sent.shrink(g.RING_MS)
+        if link.backlog > HIGH_WATER:
+            await self._drained(link)
+
+    async def fail(self, code: str, message: str) -> None:
+        """Tell the client why, and close."""
+        link = self.link
+        with suppress(FapstreamError):
+            await self.send(g.Error(code=code, message=message[:1000], fatal=True))
+        self.session.state = "closed"
+        if link:
+            await link.close(1002 if code != "internal" else 1011, code)
+
+    async def goodbye(self, reason: str) -> None:
+        """The server goes down."""
+        link = self.link
+        with suppress(LocalProtocolError):
+            await self.send(g.Bye(reason=reason))
+        if link:
+            await link.close(1001, reason)
+
+    def _relay(self, message: g.ServerMessage, data: bytes = b"") -> None:
+        if self.audience:
+            self.audience.tell(message, data)
+
+    async def _room(self) -> None:
+        """While nobody takes what is made, no more is made than the ring holds."""
+        while self.link is None and self.session.sent.weight >= g.RING_MS:
+            self._taken.clear()
+            await self._taken.wait()
+
+    async def _drained(self, link: Link) -> None:
+        """A client that does not read is dropped; it may come back."""
+        try:
+            await drained(link)
+        except ConnectionClosed:
+            self.detach(link)
+        except TimeoutError:
+            self.detach(link)
+            await link.close(1008, "the client does not read")
+
+
+def ready(service: Service, session: str, fps: Literal[25, 50]) -> g.Ready:
+    """What a server can do."""
+    return g.Ready(
+        server=f"fapstream {__version__}",
+        session=session,
+        fps=fps,
+        faps=bytes(FAP_NUMBERS),
+        voices=tuple(
+            g.Voice(
+                name=v.name, lang=v.lang, engine=v.engine,
+                sample_rate=v.sample_rate, description=v.description,
+            )
+            for v in service.voices.all()
+        ),
+        heads=service.heads(),
+    )  # fmt: skip

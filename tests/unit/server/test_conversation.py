@@ -1,0 +1,240 @@
+"""protocol/SPEC.md 4.2 and 4.3: pauses, and sessions that outlive their connection."""
+
+from __future__ import annotations
+
+import asyncio
+
+import numpy as np
+import pytest
+
+from fapstream.protocol import generated as g
+from fapstream.protocol.codec import decode
+from tests.unit.fakes import FakeVoices, in_virtual_time
+from tests.unit.server.peer import Peer, peer
+from tests.unit.server.test_connection import TEXT, say
+
+LONG = TEXT * 12
+
+
+async def greeted(p: Peer, hello: g.Hello) -> g.Ready:
+    p.send(hello)
+    ready = await p.next()
+    assert isinstance(ready, g.Ready)
+    return ready
+
+
+def received(p: Peer) -> list[g.ServerMessage]:
+    """Everything that has come and was not looked at."""
+    out = []
+    while not p.quiet():
+        message = decode(p.socket.to_client.get_nowait(), "server")
+        assert message is not None
+        out.append(message)
+    return out  # type: ignore[return-value]
+
+
+def sound(messages: list[g.ServerMessage]) -> list[tuple[int, int]]:
+    return [(m.sample, len(m.pcm)) for m in messages if isinstance(m, g.Packet) and m.pcm is not None]
+
+
+@pytest.mark.parametrize("taken", [0, 1, 5, 20])
+@in_virtual_time
+async def test_a_session_goes_on_over_another_connection(taken: int) -> None:
+    """The client has `taken` messages then; nothing is missing and nothing comes twice."""
+    first = Peer(FakeVoices())
+    ready = await greeted(first, g.Hello())
+    first.send(*say(1, LONG))
+    had = [await first.next() for _ in range(taken)]
+    await asyncio.sleep(2.0)
+    first.socket.cut()
+    await first.running
+    await asyncio.sleep(5.0)
+    again = Peer(first.voices, world=first.world)
+    welcome = await greeted(again, g.Hello(resume=ready.resume, received=taken))
+    assert welcome.resumed
+    assert welcome.session == ready.session
+    assert welcome.received == 2, "speak and end"
+    assert welcome.resume != ready.resume
+    packets, done = await again.rest_of_turn(1)
+    heard = [m for m in had if isinstance(m, g.Packet)] + packets
+    ends = np.cumsum([len(p.pcm) for p in heard if p.pcm is not None])
+    assert [p.sample for p in heard] == [0, *ends[:-1]]
+    assert done == g.Done(turn=1, reason="end", samples=int(ends[-1]))
+    await again.gone()
+    assert first.world.gate.inside == 0
+
+
+@in_virtual_time
+async def test_what_the_client_sends_again_is_not_taken_twice() -> None:
+    first = Peer(FakeVoices())
+    ready = await greeted(first, g.Hello())
+    first.send(g.Speak(turn=1, text=b"one two "))
+    await first.until(g.Begin)
+    first.socket.cut()
+    await first.running
+    again = Peer(first.voices, world=first.world)
+    welcome = await greeted(again, g.Hello(resume=ready.resume, received=1))
+    assert welcome.received == 1, "the client knows that `speak` has come and sends only what follows"
+    again.send(g.Speak(turn=1, text=b"three. "), g.End(turn=1))
+    packets, _ = await again.rest_of_turn(1)
+    words = [m.text for p in packets for m in p.marks or () if m.kind == "word"]
+    assert words == ["one", "two", "three"]
+    await again.gone()
+
+
+@in_virtual_time
+async def test_while_nobody_is_there_no_more_is_made_than_the_ring_holds() -> None:
+    p = Peer(FakeVoices())
+    ready = await greeted(p, g.Hello())
+    p.send(*say(1, LONG * 10))
+    await p.until(g.Packet)
+    p.socket.cut()
+    await p.running
+    await asyncio.sleep(g.LINGER_MS / 1000 - 5)
+    again = Peer(p.voices, world=p.world)
+    await greeted(again, g.Hello(resume=ready.resume, received=2))
+    at_once = sound(received(again))
+    assert sum(n for _, n in at_once) == pytest.approx(16 * g.RING_MS, abs=2 * 640)
+    assert at_once[0][0] == 640
+    await again.gone()
+
+
+@in_virtual_time
+async def test_an_old_connection_that_is_not_missed_yet_gives_way() -> None:
+    first = Peer(FakeVoices())
+    ready = await greeted(first, g.Hello())
+    first.send(*say(1, LONG))
+    await first.until(g.Begin)
+    again = Peer(first.voices, world=first.world)
+    welcome = await greeted(again, g.Hello(resume=ready.resume, received=1))
+    assert welcome.resumed
+    await asyncio.wait_for(first.running, 5)
+    assert first.socket.closed == (1000, "resumed over another connection")
+    packets, _ = await again.rest_of_turn(1)
+    assert packets[0].sample == 0
+    await again.gone()
+
+
+@pytest.mark.parametrize("key", ["0.nobody", "", "7.elsewhere", "x" * 128])
+@in_virtual_time
+async def test_a_key_that_nobody_knows_begins_a_new_session(key: str) -> None:
+    p = Peer(FakeVoices())
+    ready = await greeted(p, g.Hello(resume=key, received=3))
+    assert not ready.resumed
+    p.send(*say(1))
+    assert (await p.until(g.Done)).reason == "end"
+    await p.gone()
+
+
+@pytest.mark.parametrize("wrong", [99, 2**53 - 1])
+@in_virtual_time
+async def test_a_count_that_cannot_be_begins_a_new_session_and_leaves_the_old_one(wrong: int) -> None:
+    first = Peer(FakeVoices())
+    ready = await greeted(first, g.Hello())
+    other = Peer(first.voices, world=first.world)
+    assert not (await greeted(other, g.Hello(resume=ready.resume, received=wrong))).resumed
+    first.send(g.Ping(id=1))
+    assert (await first.next()).id == 1
+    await other.gone()
+    await first.gone()
+
+
+@in_virtual_time
+async def test_who_says_goodbye_cannot_come_back() -> None:
+    p = Peer(FakeVoices())
+    ready = await greeted(p, g.Hello())
+    p.send(g.Bye())
+    await p.running
+    await asyncio.sleep(0.1)
+    assert p.world.gate.inside == 0
+    again = Peer(p.voices, world=p.world)
+    assert not (await greeted(again, g.Hello(resume=ready.resume, received=0))).resumed
+    await again.gone()
+
+
+@in_virtual_time
+async def test_after_half_a_minute_a_lost_session_is_given_up() -> None:
+    p = Peer(FakeVoices())
+    await greeted(p, g.Hello())
+    p.send(*say(1, LONG * 10))
+    await p.until(g.Packet)
+    p.socket.cut()
+    await p.running
+    await asyncio.sleep(g.LINGER_MS / 1000 - 1)
+    assert p.world.gate.inside == 1
+    await asyncio.sleep(2)
+    assert p.world.gate.inside == 0
+    assert all(v.closes == 1 for v in p.voices.acquired)
+
+
+@in_virtual_time
+async def test_what_the_client_has_is_kept_no_longer() -> None:
+    async with peer() as p:
+        p.send(*say(1, LONG))
+        for _ in range(30):
+            await p.next()
+        [guest] = p.world.lobby._guests.values()
+        sent = guest.conversation.session.sent
+        before = sent.weight
+        p.send(g.Ack(turn=1, sample=0, queue=0, underruns=0, skew=0, received=30))
+        await asyncio.sleep(0)
+        assert before - sent.weight == 29 * g.PACKET_MS + 1
+        await p.rest_of_turn(1)
+
+
+@in_virtual_time
+async def test_a_client_that_never_acknowledges_costs_ten_seconds_of_sound() -> None:
+    async with peer() as p:
+        p.send(*say(1, LONG * 4))
+        [guest] = p.world.lobby._guests.values()
+        for _ in range(600):
+            await p.next()
+            assert guest.conversation.session.sent.weight <= g.RING_MS
+
+
+# pauses
+
+
+@in_virtual_time
+async def test_a_pause_stops_the_sending_and_what_follows_goes_on_where_it_stood() -> None:
+    async with peer() as p:
+        p.send(*say(1, LONG))
+        await p.until(g.Packet)
+        await asyncio.sleep(3.0)
+        p.send(g.Pause(turn=1, heard=16000))
+        await asyncio.sleep(0.1)
+        before = sound(received(p))
+        await asyncio.sleep(20)
+        assert p.quiet()
+        p.send(g.Continue(turn=1))
+        await asyncio.sleep(3)
+        after = sound(received(p))
+        assert after, "it has gone on, once what was in store is heard"
+        assert after[0][0] == sum(before[-1])
+        p.send(g.Interrupt(turn=1))
+        done = await p.until(g.Done)
+        assert done.heard == pytest.approx(16000 + 3 * 16000, abs=1000)
+
+
+@in_virtual_time
+async def test_a_turn_can_be_paused_before_it_is_spoken_and_interrupted_while_it_stands() -> None:
+    async with peer() as p:
+        p.send(g.Speak(turn=1, text=b"one "), *say(2))
+        p.send(g.Pause(turn=2), g.Interrupt(turn=1))
+        assert (await p.until(g.Done)).turn == 1
+        await asyncio.sleep(5)
+        assert not [m for m in received(p) if isinstance(m, g.Packet)]
+        p.send(g.Interrupt(turn=2))
+        assert await p.until(g.Done) == g.Done(turn=2, reason="interrupted", samples=0, heard=0, char=0)
+
+
+@in_virtual_time
+async def test_acknowledgements_during_a_pause_say_where_it_goes_on() -> None:
+    async with peer() as p:
+        p.send(*say(1, LONG))
+        await asyncio.sleep(3.0)
+        p.send(g.Pause(turn=1))
+        p.send(g.Ack(turn=1, sample=8000, queue=0, underruns=0, skew=0))
+        await asyncio.sleep(5.0)
+        p.send(g.Interrupt(turn=1))
+        assert (await p.until(g.Done)).heard == 8000
