@@ -46,6 +46,9 @@ def test_script(script: dict[str, Any]) -> None:
     for step in script["steps"]:
         if "receive" in step:
             check_receive(session, step)
+        elif "reconnect" in step:
+            assert isinstance(session, ClientSession)
+            session.reconnect()
         elif step.get("refused"):
             with pytest.raises(LocalProtocolError):
                 session.send(to_record(step["send"]))
@@ -53,6 +56,11 @@ def test_script(script: dict[str, Any]) -> None:
             session.send(to_record(step["send"]))
         if "state" in step:
             assert session.state == step["state"]
+        if "received" in step:
+            assert session.received == step["received"]
+        if "again" in step:
+            assert isinstance(session, ClientSession)
+            assert session.again == [encode(to_record(message)) for message in step["again"]]
 
 
 def open_pair() -> tuple[ClientSession, ServerSession]:

@@ -30,12 +30,14 @@ export function encode(message: Message): Uint8Array<ArrayBuffer> {
 }
 
 /**
- * The message in `data`, sent by `sender`; null for a type this version does not know.
+ * The message in `data`, sent by `sender`; null for a type this version does not know. `seen` is told the type
+ * before the rest is looked at.
  * Throws ProtocolError: fatal `protocol` if the bytes are no message at all, else `bad_message`.
  */
-export function decode(data: Uint8Array, sender: Side): Message | null {
+export function decode(data: Uint8Array, sender: Side, seen?: (type: string) => void): Message | null {
   const fields = readMap(data);
   const type = fields.get("type");
+  seen?.(String(type));
   if (typeof type !== "string") throw new ProtocolError("a message needs a `type` of type str");
   if (!Object.hasOwn(MESSAGES, type)) return null;
   const { from, fields: specs } = MESSAGES[type];

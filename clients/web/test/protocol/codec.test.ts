@@ -41,7 +41,7 @@ describe("decode", () => {
   it("gives arrays that stand alone, wherever they lay in the frame", () => {
     for (const pad of ["", "a", "ab", "abc"]) {
       const packet: Message = {
-        type: "packet", turn: 1, sample: 0, pcm: Int16Array.of(-2, 300), faps: Int32Array.of(-70000),
+        type: "packet", turn: 1, sample: 0, pcm: Int16Array.of(-2, 300), wide: Int32Array.of(-70000),
         marks: [{ kind: "word", sample: 0, duration: 0, text: pad }],
       };
       const frame = new Uint8Array([0, ...encode(packet)]).subarray(1);

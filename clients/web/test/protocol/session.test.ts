@@ -4,7 +4,7 @@ import type { ClientMessage, Message, Ready } from "../../src/protocol/generated
 import { ClientSession } from "../../src/protocol/session";
 import { vectors } from "../vectors";
 
-interface Step { send?: ClientMessage; receive?: Message; refused?: boolean; error?: string; events?: unknown[]; state?: string }
+interface Step { reconnect?: boolean; again?: Message[]; received?: number; send?: ClientMessage; receive?: Message; refused?: boolean; error?: string; events?: unknown[]; state?: string }
 interface Script { name: string; side: string; steps: Step[] }
 
 describe("protocol/vectors/sessions.json", () => {
@@ -15,11 +15,14 @@ describe("protocol/vectors/sessions.json", () => {
     for (const step of steps) {
       run(session, step);
       if (step.state) expect(session.state).toBe(step.state);
+      if (step.received !== undefined) expect(session.received).toBe(step.received);
+      if (step.again) expect(session.again).toEqual(step.again.map((message) => encode(message)));
     }
   });
 });
 
 function run(session: ClientSession, step: Step): void {
+  if (step.reconnect) return session.reconnect();
   if (step.send) {
     const send = () => session.send(step.send!);
     if (step.refused) expect(send).toThrow(ProtocolError);
