@@ -16,8 +16,6 @@ from fapstream.errors import RemoteProtocolError
 
 Row = NDArray[np.int32]
 
-NARROW = np.iinfo(np.int16)
-
 
 @dataclass(frozen=True, slots=True)
 class Changes:
@@ -39,18 +37,20 @@ class FapEncoder:
         """The next frames; `key`: as if nothing had been sent before."""
         if key:
             self._shown = np.zeros_like(self._shown)
-        if not rows:
-            return Changes(key=key or None)
-        frames = np.stack([self._shown, *rows])
-        changed = frames[1:] != frames[:-1]
-        values = frames[1:][changed]
-        self._shown = frames[-1]
-        mask = np.packbits(changed, axis=1, bitorder="little").tobytes()
-        if not len(values):
+        masks, values = [], []
+        for row in rows:
+            changed = row != self._shown
+            masks.append(np.packbits(changed, bitorder="little").tobytes())
+            values.append(row[changed])
+            self._shown = row
+        mask = b"".join(masks) if masks else None
+        wide = values[0] if len(values) == 1 else np.concatenate(values or [self._shown[:0]])
+        narrow = wide.astype(np.int16)
+        if not len(wide):
             return Changes(mask, key=key or None)
-        if values.min() >= NARROW.min and values.max() <= NARROW.max:
-            return Changes(mask, faps=values.astype(np.int16), key=key or None)
-        return Changes(mask, wide=values, key=key or None)
+        if narrow.astype(np.int32).tobytes() == wide.tobytes():
+            return Changes(mask, faps=narrow, key=key or None)
+        return Changes(mask, wide=wide, key=key or None)
 
 
 class FapDecoder:

@@ -16,6 +16,7 @@ from fapstream.errors import LocalProtocolError, RemoteProtocolError
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import Side, encode, read, unpack
 from fapstream.protocol.faps import Changes, FapDecoder, FapEncoder, Row
+from fapstream.protocol.packets import pack_packet
 from fapstream.protocol.sent import Sent
 
 FAP_NUMBERS = tuple(range(3, 69))
@@ -173,22 +174,20 @@ class ServerSession(_Session):
             self.sent.append(data, g.PACKET_MS if isinstance(message, g.Packet) else 1)
         return data
 
-    def packet(self, packet: records.Packet) -> g.Packet:
-        """A packet of the pipeline as the protocol has it, to be sent next of its turn."""
+    def send_packet(self, packet: records.Packet) -> tuple[bytes, bool]:
+        """The frame for the next packet of a turn, and whether it is a key.
+
+        Raises LocalProtocolError, and changes nothing, if it does not fit.
+        """
+        if not self._advance_turn("server", packet.turn, "packet"):
+            raise LocalProtocolError(f"turn {packet.turn} is over")
         turn = self.turns[packet.turn]
-        changes = turn.encoder.encode([_row(frame) for frame in packet.frames], key=turn.packets == 0)
+        key = turn.packets == 0
+        changes = turn.encoder.encode([_row(frame) for frame in packet.frames], key)
+        data = pack_packet(packet, changes)
         turn.packets = (turn.packets + 1) % g.KEY_PACKETS
-        return g.Packet(
-            turn=packet.turn,
-            sample=packet.start,
-            pcm=packet.pcm,
-            key=changes.key,
-            mask=changes.mask,
-            faps=changes.faps,
-            wide=changes.wide,
-            marks=tuple(_mark_message(m) for m in packet.marks) or None,
-            hold=True if packet.hold else None,
-        )
+        self.sent.append(data, g.PACKET_MS)
+        return data, key
 
     def resumed(self, received: int) -> list[bytes] | None:
         """The client is back on another connection and has so many counted messages: the frames to send
@@ -314,17 +313,6 @@ class ClientSession(_Session):
 
 def _row(frame: records.FapFrame) -> Row:
     return frame.values[FAP_NUMBERS[0] - 1 : FAP_NUMBERS[-1]]
-
-
-def _mark_message(mark: records.Mark) -> g.Mark:
-    return g.Mark(
-        kind=mark.kind,
-        sample=mark.sample,
-        duration=mark.duration,
-        text=mark.text,
-        char_start=None if mark.char_start < 0 else mark.char_start,
-        char_end=None if mark.char_end < 0 else mark.char_end,
-    )
 
 
 def mark_record(mark: g.Mark) -> records.Mark:

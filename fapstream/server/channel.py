@@ -21,6 +21,9 @@ JOIN_PACKETS = 10
 BEAT_S = 2.0
 """So often a speaker says that it is there."""
 
+RELAYED = frozenset({"begin", "packet", "discard", "pause", "continue", "done"})
+"""What is spoken; the rest is between the server and the speaker."""
+
 SILENT_S = 7.0
 """A speaker of whom nothing has come for so long is gone."""
 
@@ -274,21 +277,17 @@ class Stage:
         self._begin: bytes | None = None
         self.beat()
 
-    def tell(self, message: g.ServerMessage, data: bytes = b"") -> None:
+    def tell(self, kind: str, data: bytes, key: bool = False) -> None:
         """See Audience. With every key it is said again who speaks and what began, for those who come."""
-        data = data or encode(message)
-        match message:
-            case g.Begin():
-                self._begin = data
-            case g.Done():
-                self._begin = None
-            case g.Packet() if message.key and self._begin:
-                self.beat()
-                self._publish(self._begin)
-            case g.Packet() | g.Discard() | g.Pause() | g.Continue():
-                pass
-            case _:
-                return
+        if kind not in RELAYED:
+            return
+        if kind == "begin":
+            self._begin = data
+        elif kind == "done":
+            self._begin = None
+        elif key and self._begin:
+            self.beat()
+            self._publish(self._begin)
         self._publish(data)
 
     def beat(self) -> None:

@@ -15,12 +15,13 @@ from fapstream import __version__
 from fapstream.errors import FapstreamError, LocalProtocolError, RemoteProtocolError, TextTooLong
 from fapstream.pipeline import Pipeline
 from fapstream.protocol import generated as g
+from fapstream.protocol.codec import encode
 from fapstream.protocol.session import FAP_NUMBERS, ClientEvent, EndOfText, ServerSession, Text
 from fapstream.records import Packet, TurnFormat
 from fapstream.server.link import Link, drained
 from fapstream.server.service import Service
 from fapstream.server.turn import TooManyTurns, Turn, manner_of
-from fapstream.stream.pacer import LEAD_S, SHARED_LEAD_S, Pacer
+from fapstream.stream.pacer import GROUP_S, LEAD_S, SHARED_LEAD_S, Pacer
 from fapstream.talk import Talk
 from fapstream.tts import FrontEnd
 
@@ -38,8 +39,10 @@ class Audience(Protocol):
     name: str
     """The channel."""
 
-    def tell(self, message: g.ServerMessage, data: bytes) -> None:
-        """A message of a turn, and its frame. Returns at once."""
+    def tell(self, kind: str, data: bytes, key: bool = False) -> None:
+        """A message of the session, by type, and its frame; `key`: a packet that begins with a key. Returns
+        at once.
+        """
 
 
 class Conversation:
@@ -175,10 +178,11 @@ class Conversation:
             await self._interrupt(turn, event)
         elif isinstance(event, g.Pause):
             turn.pause(event.heard, now)
-            self._relay(g.Pause(turn=turn.number, heard=turn.heard(event.heard, now)))
+            heard = turn.heard(event.heard, now)
+            self._relay("pause", encode(g.Pause(turn=turn.number, heard=heard)))
         else:
             turn.go_on(now)
-            self._relay(event)
+            self._relay("continue", encode(event))
 
     async def _interrupt(self, turn: Turn, event: g.Interrupt) -> None:
         if turn.interrupt:
@@ -218,7 +222,10 @@ class Conversation:
         form = TurnFormat(turn.number, voice.name, voice.lang, voice.sample_rate, self._hello.fps or 25)
         manner = manner_of(turn.opening, self._service, voice.lang).of(voice)
         synthesizer = await self._service.voices.acquire(voice)
-        pacer = turn.pacer = Pacer(voice.sample_rate, SHARED_LEAD_S if self.audience else LEAD_S)
+        shared = self.audience is not None
+        pacer = turn.pacer = Pacer(
+            voice.sample_rate, SHARED_LEAD_S if shared else LEAD_S - GROUP_S, 0.0 if shared else GROUP_S
+        )
         pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
         talk = Talk(pipeline, synthesizer, lambda: pacer.heard(clock.now()) / voice.sample_rate)
         turn.hand_over(talk)
@@ -250,7 +257,9 @@ class Conversation:
         end = valid.start + len(valid.pcm)
         turn.sent = end
         pacer.sent(valid.start, end, clock.now())
-        await self.send(self.session.packet(valid))
+        data, key = self.session.send_packet(valid)
+        self._relay("packet", data, key)
+        await self._write(data)
 
     async def _done(self, turn: Turn, reason: Reason) -> None:
         turn.over = True
@@ -273,7 +282,10 @@ class Conversation:
     async def send(self, message: g.ServerMessage) -> None:
         """Send it, or keep it until the client is back. Returns when the connection takes more."""
         data = self.session.send(message)
-        self._relay(message, data)
+        self._relay(message.type, data)
+        await self._write(data)
+
+    async def _write(self, data: bytes) -> None:
         link = self.link
         if link is None:
             return
@@ -299,9 +311,9 @@ class Conversation:
         if link:
             await link.close(1001, reason)
 
-    def _relay(self, message: g.ServerMessage, data: bytes = b"") -> None:
+    def _relay(self, kind: str, data: bytes, key: bool = False) -> None:
         if self.audience:
-            self.audience.tell(message, data)
+            self.audience.tell(kind, data, key)
 
     async def _room(self) -> None:
         """While nobody takes what is made, no more is made than the ring holds."""

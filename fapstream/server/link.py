@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import socket as sockets
+import struct
 from contextlib import suppress
 from typing import Protocol
 
-from websockets.asyncio.server import ServerConnection, broadcast
+from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
-from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 
 SEND_DEADLINE_S = 20.0
@@ -19,10 +19,16 @@ KERNEL_BYTES = 32_768
 """What the system may keep back for one connection: less than a second of sound, so that a listener that
 takes too little is noticed in time."""
 
+BINARY = 0x82
+"""A whole binary message."""
+
 
 def framed(data: bytes) -> bytes:
-    """A message as it goes over the wire to any client: made once, written to many."""
-    return bytes(Frame(Opcode.BINARY, data).serialize(mask=False))
+    """A message as it goes over the wire to any client (RFC 6455, 5.2): made once, written to many."""
+    n = len(data)
+    if n < 126:
+        return bytes((BINARY, n)) + data
+    return (struct.pack(">BBH", BINARY, 126, n) if n < 65_536 else struct.pack(">BBQ", BINARY, 127, n)) + data
 
 
 class Link(Protocol):
@@ -49,11 +55,14 @@ class Link(Protocol):
 
 
 class WebSocketLink:
-    """A Link over a connection of the `websockets` library."""
+    """A Link over a connection of the `websockets` library. What is written within one turn of the event loop
+    goes out together.
+    """
 
     def __init__(self, socket: ServerConnection) -> None:
         self._socket = socket
         self._transport = socket.transport
+        self._waiting: list[bytes] = []
         self.recv = socket.recv
 
     @property
@@ -63,12 +72,21 @@ class WebSocketLink:
 
     def write(self, data: bytes) -> None:
         """See Link."""
-        broadcast((self._socket,), data)
+        if not self._waiting:
+            self._socket.loop.call_soon(self._flush)
+        self._waiting.append(framed(data))
 
     def write_framed(self, frame: bytes) -> None:
         """See Link."""
-        if self._socket.protocol.state is State.OPEN:
+        if self._waiting:
+            self._waiting.append(frame)
+        elif self._socket.protocol.state is State.OPEN:
             self._transport.write(frame)
+
+    def _flush(self) -> None:
+        frames, self._waiting = b"".join(self._waiting), []
+        if self._socket.protocol.state is State.OPEN:
+            self._transport.write(frames)
 
     def keep_little(self) -> None:
         """Have the system keep little back, so that `backlog` tells how slow the other side is."""
@@ -80,6 +98,7 @@ class WebSocketLink:
 
     async def drain(self) -> None:
         """See Link."""
+        self._flush()
         await self._socket.drain()
         if self._socket.protocol.state is not State.OPEN:
             await self._socket.wait_closed()
@@ -87,6 +106,7 @@ class WebSocketLink:
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """See Link."""
+        self._flush()
         with suppress(ConnectionClosed):
             await self._socket.close(code, reason)
 

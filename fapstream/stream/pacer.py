@@ -13,6 +13,11 @@ FIRST_S, BUILD_UP = 0.3, 2.5
 reached. Whoever begins leaves time to those who speak, and less is made in vain if it is interrupted."""
 
 
+GROUP_S = 0.16
+"""Packets leave together by so much sound: with a second in store nobody hears that, and it spares half the
+work of sending."""
+
+
 class Pacer:
     """The clock of one turn as the listener is thought to hear it.
 
@@ -20,9 +25,10 @@ class Pacer:
     packet on, later when the turn ran dry, corrected by what the listener acknowledges.
     """
 
-    def __init__(self, sample_rate: int, lead_s: float = LEAD_S) -> None:
+    def __init__(self, sample_rate: int, lead_s: float = LEAD_S, group_s: float = 0.0) -> None:
         self._sample_rate = sample_rate
         self._lead_s = lead_s
+        self._group = max(1, round(group_s * sample_rate))
         self._origin: float | None = None
         self._sent_end = 0
         self._paused_at: int | None = None
@@ -31,7 +37,7 @@ class Pacer:
         """The time from which the packet that begins at `sample` may leave."""
         if self._origin is None:
             return now
-        at = sample / self._sample_rate
+        at = sample // self._group * self._group / self._sample_rate
         return self._origin + max(at - self._lead_s, (at - FIRST_S) / BUILD_UP)
 
     def sent(self, start: int, end: int, now: float) -> None:

@@ -94,7 +94,7 @@ def test_a_packet_keeps_its_frames_and_marks() -> None:
         frame.values[:2] = 0
     mark = records.Mark("word", 5, 100, "a", 0, 1)
     packet = records.Packet(1, 0, np.arange(882, dtype=np.int16), frames, (mark,), True)
-    [back] = client.receive(server.send(server.packet(packet)))
+    [back] = client.receive(server.send_packet(packet)[0])
     assert isinstance(back, records.Packet)
     assert back.marks == (mark,)
     assert back.hold

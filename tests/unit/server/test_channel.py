@@ -201,7 +201,7 @@ def test_a_speaker_who_falls_silent_is_gone() -> None:
 def test_what_is_between_the_server_and_the_speaker_goes_no_further(message: g.ServerMessage) -> None:
     bus = FakeBus()
     stage = Stage(bus, "news", "1")
-    stage.tell(message, encode(message))
+    stage.tell(message.type, encode(message))
     assert len(bus.entries["news"]) == 1, "that it is there"
 
 
