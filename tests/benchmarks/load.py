@@ -1,4 +1,4 @@
-"""Clients by the hundred in one process: raw websockets that cost little, so that the server is what is measured.
+"""Clients by the hundred in one process: raw websockets that cost little, so that the server is measured.
 
 They speak the protocol as SPEC.md has it, and look only at what they need.
 """
@@ -18,7 +18,7 @@ import msgpack
 
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import encode
-from fapstream.stream.pacer import BUILD_UP, FIRST_S, LEAD_S
+from fapstream.stream.pacer import GROUP_S, LEAD_S, Pacer
 
 ACK_S = 0.25
 START_S = 0.06
@@ -26,8 +26,8 @@ START_S = 0.06
 
 SENTENCES = {
     "en": (
-        "The quick brown fox jumps over the lazy dog while seven small birds watch from a branch of the tree. ",
-        "Nobody had expected the second train to arrive before noon, least of all the stationmaster himself. ",
+        "The quick brown fox jumps over the lazy dog while seven birds watch from a branch of the tree. ",
+        "Nobody had expected the second train to arrive before noon, least of all the stationmaster. ",
         "In nineteen eighty four the harbour froze over, and people walked to the islands across the ice. ",
         "She asked whether the letters had come; they had not, and would not for another week. ",
         "Bread, cheese, a few olives and half a bottle of wine were all that was left on the table. ",
@@ -46,12 +46,14 @@ def raise_file_limit() -> None:
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
+Take = Callable[[bytes], None]
+Lost = Callable[[], None]
+
+
 class RawSocket(asyncio.Protocol):
     """A websocket client of few microseconds a message. `take` gets every binary message."""
 
-    def __init__(
-        self, host: str, take: Callable[[bytes], None], lost: Callable[[], None] = lambda: None
-    ) -> None:
+    def __init__(self, host: str, take: Take, lost: Lost = lambda: None) -> None:
         self._host = host
         self._take = take
         self._lost = lost
@@ -135,9 +137,7 @@ class RawSocket(asyncio.Protocol):
         self._lost()
 
 
-async def connect(
-    address: str, take: Callable[[bytes], None], lost: Callable[[], None] = lambda: None
-) -> RawSocket:
+async def connect(address: str, take: Take, lost: Lost = lambda: None) -> RawSocket:
     """A socket to the server at `address` (host:port)."""
     host, _, port = address.rpartition(":")
     _, socket = await asyncio.get_running_loop().create_connection(
@@ -243,8 +243,10 @@ class Talker:
         samples = len(message["pcm"]) // 2
         if message["sample"] == 0:
             self._first = now
+            self._pacer = Pacer(self._rate, LEAD_S - GROUP_S, GROUP_S)
+            self._pacer.sent(0, 0, now)
             self._tally.first_ms.append(1000 * (now - self._asked))
-        due = self._first + max(0.0, start - LEAD_S, (start - FIRST_S) / BUILD_UP)
+        due = max(self._first, self._pacer.due(message["sample"], now))
         self._tally.lateness_ms.append(1000 * (now - due))
         if self._play is not None and now > self._play + start:
             self._tally.underruns += 1
@@ -284,7 +286,7 @@ def tree(pid: int) -> list[int]:
 
 
 def cpu_s(pid: int) -> dict[str, float]:
-    """CPU seconds of a process tree so far, by the name of the program; ended children count to their parent's."""
+    """CPU seconds of a process tree so far, by the name of the program."""
     tick = os.sysconf("SC_CLK_TCK")
     out: dict[str, float] = {}
     for one in tree(pid):
