@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import secrets
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from typing import Protocol
 
@@ -27,7 +27,10 @@ Leave = Callable[[], None]
 
 
 class Gate(Protocol):
-    """Who may come in. What is returned is called when the session is over."""
+    """Who may come in. What is returned is called when it is over."""
+
+    def open(self, address: str) -> Leave:
+        """A connection that has not said what it comes for. Raises Busy."""
 
     def speak(self, hello: g.Hello, address: str) -> Leave:
         """Raises NotAuthorised, Busy."""
@@ -35,28 +38,46 @@ class Gate(Protocol):
     def listen(self, wish: g.Listen, address: str) -> Leave:
         """Raises NotAuthorised, Busy."""
 
-    def delay(self, connection: object, size: int) -> float:
-        """Seconds to wait before the next message of a connection is read."""
+    def pace(self) -> Callable[[int], float]:
+        """For one connection: seconds to wait before the next message is read after one of so many bytes."""
+
+
+HandOver = Callable[[Link, bytes, int, str], Awaitable[bool]]
+"""Joins a client to another process; False if that is not there."""
+
+
+async def nowhere(link: Link, first: bytes, index: int, address: str) -> bool:
+    """There is no other process."""
+    return False
 
 
 class Connection:
     """Runs one client until it leaves, is lost or breaks the contract."""
 
-    def __init__(self, link: Link, address: str, service: Service, lobby: Lobby, gate: Gate) -> None:
+    def __init__(
+        self, link: Link, address: str, service: Service, lobby: Lobby, gate: Gate, hand_over: HandOver = nowhere
+    ) -> None:  # fmt: skip
         self._link = link
         self._address = address
         self._service = service
         self._lobby = lobby
         self._gate = gate
+        self._hand_over = hand_over
+        self._pace = gate.pace()
         self._session = ServerSession()
 
     async def run(self) -> None:
         """Returns when the connection is over; never raises for what the client did."""
         try:
-            async with asyncio.timeout(g.HELLO_DEADLINE_MS / 1000):
-                first = await self._first()
+            leave = self._gate.open(self._address)
+            try:
+                async with asyncio.timeout(g.HELLO_DEADLINE_MS / 1000):
+                    first, data = await self._first()
+            finally:
+                leave()
             if isinstance(first, g.Hello):
-                await self._speak(first)
+                if not await self._elsewhere(first, data):
+                    await self._speak(first)
             elif isinstance(first, g.Listen):
                 await self._listen(first)
         except TimeoutError:
@@ -72,18 +93,24 @@ class Connection:
         finally:
             await self._link.close()
 
-    async def _first(self) -> g.Hello | g.Listen | None:
-        """What the client comes for; None if it says goodbye at once."""
+    async def _first(self) -> tuple[g.Hello | g.Listen | None, bytes]:
+        """What the client comes for, and the frame; None if it says goodbye at once."""
         while self._session.state == "opening":
             try:
-                for event in self._session.receive(_bytes(await self._link.recv())):
+                data = _bytes(await self._link.recv())
+                for event in self._session.receive(data):
                     if isinstance(event, g.Hello | g.Listen):
-                        return event
+                        return event, data
             except RemoteProtocolError as e:
                 if e.fatal:
                     raise
                 self._link.write(encode(g.Error(code=e.code, message=str(e)[:1000], fatal=False)))
-        return None
+        return None, b""
+
+    async def _elsewhere(self, hello: g.Hello, data: bytes) -> bool:
+        """Whether another process has taken the client."""
+        index = self._lobby.elsewhere(hello.resume)
+        return index is not None and await self._hand_over(self._link, data, index, self._address)
 
     async def _speak(self, hello: g.Hello) -> None:
         conversation = self._enter(hello)
@@ -142,7 +169,7 @@ class Connection:
             self._link.write(encode(g.Error(code=e.code, message=str(e)[:1000], fatal=False)))
 
     async def _not_too_fast(self, data: bytes | str) -> None:
-        delay = self._gate.delay(self, len(data))
+        delay = self._pace(len(data))
         if delay > 0:
             await asyncio.sleep(delay)
 

@@ -212,8 +212,11 @@ class OpenGate:
     def listen(self, wish: object, address: str) -> Callable[[], None]:
         return self._enter()
 
-    def delay(self, connection: object, size: int) -> float:
-        return 0.0
+    def open(self, address: str) -> Callable[[], None]:
+        return self._enter()
+
+    def pace(self) -> Callable[[int], float]:
+        return lambda size: 0.0
 
     def _enter(self) -> Callable[[], None]:
         self.inside += 1
