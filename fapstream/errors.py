@@ -45,6 +45,17 @@ class PointsError(InputError):
     code = "bad_points"
 
 
+class NotAuthorised(InputError):
+    """What was asked for takes a token, or another one than was shown. The message never holds the token."""
+
+    code = "unauthorised"
+
+    def __init__(self, reason: str, expired: bool = False) -> None:
+        super().__init__(reason)
+        self.expired = expired
+        """Whether a newer token from the same place would do."""
+
+
 class UnknownName(InputError):
     """There is no such thing; the message says what there is."""
 
@@ -68,6 +79,17 @@ class UnknownLanguage(UnknownName):
 
     code = "unknown_language"
     kind = "language"
+
+
+class Busy(FapstreamError):
+    """There is no room just now; nobody's fault."""
+
+    code = "busy"
+
+    def __init__(self, reason: str, retry_ms: int) -> None:
+        super().__init__(f"{reason}; try again in {max(1, round(retry_ms / 1000))} s")
+        self.retry_ms = retry_ms
+        """When to come back. Differs from one to the next, lest all come back at once."""
 
 
 class DataError(FapstreamError):

@@ -8,10 +8,10 @@ import textwrap
 from collections.abc import Sequence
 
 from fapstream import __version__
-from fapstream.cli import adapt, convert, head, phonemes, say, serve, view, voices
+from fapstream.cli import adapt, convert, head, phonemes, say, serve, token, view, voices
 from fapstream.errors import FapstreamError
 
-COMMANDS = (say, serve, phonemes, view, voices, convert, head, adapt)
+COMMANDS = (say, serve, phonemes, view, voices, convert, head, adapt, token)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
