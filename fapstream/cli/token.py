@@ -1,6 +1,7 @@
 """Print a token that lets its holder speak, listen or make heads on a server; or a fresh secret to sign with.
 
-The secret is read from --secret-file or from FAPSTREAM_SECRET as `fapstream serve` does; of several the first
+The secret is read from --secret-file or from FAPSTREAM_SECRET, as `fapstream serve` does. Of several the
+first signs.
 """
 
 from __future__ import annotations

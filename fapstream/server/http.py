@@ -1,4 +1,7 @@
-"""The few files the server gives out: the page, the client, the heads. Pure: a path in, a response out."""
+"""The few files the server gives out: the page, the client, the heads. Pure: a path in, a response out.
+
+Nothing but the listed names is ever looked for: no path is joined, and nothing is decoded.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +28,43 @@ TYPES = {
 ANYWHERE = ("Access-Control-Allow-Origin", "*")
 """Pages of any origin may read the answer, if only to learn that there is no such head."""
 
+METHODS = ("GET", "HEAD")
+
+ALWAYS = (
+    ("X-Content-Type-Options", "nosniff"),
+    ("Referrer-Policy", "no-referrer"),
+)
+"""On every answer whatever."""
+
+NO_PAGE = (*ALWAYS, ("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'"))
+"""What is no page does nothing and is shown nowhere, should somebody open it by itself. Scripts, pictures and
+heads that pages elsewhere embed are theirs and heed the pages' own policies."""
+
+PAGE_POLICY = "; ".join(
+    [
+        "default-src 'none'",
+        "script-src 'self'",  # the sound worklet as well
+        "worker-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' blob:",
+        "connect-src 'self' blob: ws: wss:",  # a head just made is a blob; older browsers miss sockets
+        "form-action 'self'",
+        "base-uri 'none'",
+        "frame-ancestors 'self'",
+    ]
+)
+DEVICES = ("camera", "microphone", "geolocation", "payment", "usb", "serial", "midi", "display-capture")
+
+OF_PAGES = (
+    *ALWAYS,
+    ("Content-Security-Policy", PAGE_POLICY),
+    ("Permissions-Policy", ", ".join(f"{device}=()" for device in DEVICES)),
+    ("Cross-Origin-Opener-Policy", "same-origin"),
+    ("Cross-Origin-Resource-Policy", "same-origin"),
+)
+OF_THE_REST = (*NO_PAGE, ANYWHERE, ("Cross-Origin-Resource-Policy", "cross-origin"))
+"""Pages of any origin may embed the head."""
+
 PAGE = re.compile(r"/([a-z0-9][a-z0-9.-]{0,63})?")
 GZIP = re.compile(r"\bgzip\b(?!\s*;\s*q=0(\.0*)?\s*(,|$))")
 DEFAULT_HEAD = "default"
@@ -49,6 +89,13 @@ class Answer:
     status: int
     headers: tuple[tuple[str, str], ...]
     body: bytes = b""
+    """Not sent in answer to HEAD, but measured."""
+
+
+def plain(status: int, text: str, *headers: tuple[str, str]) -> Answer:
+    """A line of text that nobody stores."""
+    form = (("Content-Type", "text/plain; charset=utf-8"), ("Cache-Control", "no-store"))
+    return Answer(status, (*form, *NO_PAGE, *headers), text.encode())
 
 
 class Site:
@@ -72,22 +119,24 @@ class Site:
         """Names of the heads, the default one first."""
         return tuple(self._heads)
 
-    def answer(self, path: str, accept_encoding: str = "", if_none_match: str = "") -> Answer:
-        """The response to GET `path`; query strings are ignored."""
+    def answer(
+        self, path: str, accept_encoding: str = "", if_none_match: str = "", method: str = "GET"
+    ) -> Answer:
+        """The response to a request for `path` as it came, undecoded; query strings are ignored."""
+        if method not in METHODS:
+            return plain(405, "Only GET and HEAD\n", ("Allow", ", ".join(METHODS)))
         found = self._find(path.partition("?")[0])
         if found is None:
-            return Answer(404, (("Content-Type", "text/plain"), ANYWHERE), b"Not found\n")
+            return plain(404, "Not found\n", ANYWHERE)
         file = _load(found)
         headers = [
             ("Content-Type", file.content_type),
-            ANYWHERE,
-            ("Cross-Origin-Resource-Policy", "cross-origin"),
-            ("X-Content-Type-Options", "nosniff"),
             ("Cache-Control", "no-cache"),
             ("Vary", "Accept-Encoding"),
             ("ETag", file.etag),
+            *(OF_PAGES if file.content_type == TYPES[".html"] else OF_THE_REST),
         ]
-        if if_none_match == file.etag:
+        if file.etag in if_none_match:  # one of several perhaps, or weakened by a proxy
             return Answer(304, tuple(headers))
         if GZIP.search(accept_encoding):
             return Answer(200, (*headers, ("Content-Encoding", "gzip")), file.packed)
