@@ -1,7 +1,7 @@
 """Several processes that serve one port, and the parent that looks after them.
 
-The parent only waits: it loads what all need, forks them, so that they share that memory, starts one anew that
-has died, and passes on the wish to stop. It runs no event loop and no thread, so a fork is always safe.
+The parent only waits: it loads what all need, forks them, so that they share that memory, starts one anew
+that has died, and passes on the wish to stop. It runs no event loop and no thread, so a fork is always safe.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class _Child:
 @dataclass(slots=True)
 class Supervisor:
     """`works`: what each process does. `all_ready` is called once, when every one has said that it is ready;
-    `died` is told the pid of each that ended.
+    `died` is told the index of each that ended.
     """
 
     works: list[Work]
     all_ready: Callable[[], None] = lambda: None
-    died: Callable[[int], None] = lambda pid: None
+    died: Callable[[int], None] = lambda index: None
     stop_s: float = 10.0
     _children: list[_Child] = field(default_factory=list)
     _waiting: set[int] = field(default_factory=set)
@@ -139,7 +139,7 @@ class Supervisor:
         for child in self._children:
             if not child.pid or not _ended(child.pid):
                 continue
-            self.died(child.pid)
+            self.died(child.index)
             child.pid = 0
             if child.index in self._waiting:
                 return False

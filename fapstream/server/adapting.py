@@ -51,7 +51,7 @@ class Adapting:
         self._make = make
         self._pages = 0
 
-    async def handle(self, socket: Socket) -> None:
+    async def handle(self, socket: Socket, address: str = "") -> None:
         """One page from its handshake to its end."""
         if self._pages >= MOST_SESSIONS:
             await _say(socket, _failed("busy", "too many heads are being made here; try again in a minute"))

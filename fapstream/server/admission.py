@@ -39,10 +39,10 @@ class Limits:
     messages_per_s: float = 500.0
     """Above what language models write."""
     messages_burst: int = 2000
-    text_per_s: float = 2000.0
-    """Characters; a hundred times as fast as they are spoken."""
-    text_burst: int = 262_144
-    """Characters; a long article passes in one piece."""
+    bytes_per_s: float = 8192.0
+    """Of messages: hundreds of times as fast as text is spoken."""
+    bytes_burst: int = 1 << 20
+    """A long article passes in one piece."""
     hello_deadline_s: float = 5.0
     idle_timeout_s: float = 600.0
     """Without a message, and with nothing being spoken or listened to."""

@@ -55,8 +55,14 @@ class Connection:
     """Runs one client until it leaves, is lost or breaks the contract."""
 
     def __init__(
-        self, link: Link, address: str, service: Service, lobby: Lobby, gate: Gate, hand_over: HandOver = nowhere
-    ) -> None:  # fmt: skip
+        self,
+        link: Link,
+        address: str,
+        service: Service,
+        lobby: Lobby,
+        gate: Gate,
+        hand_over: HandOver = nowhere,
+    ) -> None:
         self._link = link
         self._address = address
         self._service = service

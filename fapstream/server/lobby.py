@@ -6,10 +6,11 @@ import asyncio
 import logging
 import secrets
 from collections.abc import Callable, Coroutine
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from fapstream.errors import InputError
+from fapstream.errors import Busy, InputError
 from fapstream.ports import Bus
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import encode
@@ -24,6 +25,11 @@ log = logging.getLogger("fapstream.server")
 
 SHARED = "talk-"
 """What the name of a shared session's own channel begins with."""
+
+
+DRAIN_STEP_S = 0.05
+BACK_UP_MS = 3000
+"""When a server that goes down may be up again."""
 
 
 class UnknownChannel(InputError):
@@ -73,6 +79,7 @@ class Lobby:
         self._channels: dict[str, _Open] = {}
         self._lingering: set[asyncio.Task[None]] = set()
         self._keeper: asyncio.Task[None] | None = None
+        self._draining = False
 
     def open(self) -> None:
         """Begin to look after who is there."""
@@ -83,7 +90,9 @@ class Lobby:
     def enter(
         self, session: ServerSession, hello: g.Hello, link: Link, leave: Callable[[], None]
     ) -> Conversation:
-        """A new conversation, greeted. `leave` is called when it is over. Raises UnknownChannel."""
+        """A new conversation, greeted. `leave` is called when it is over. Raises UnknownChannel, Busy."""
+        if self._draining:
+            raise Busy("the server is going down", BACK_UP_MS)
         if hello.channel is not None and hello.channel not in self._names:
             raise UnknownChannel(hello.channel, self._names)
         conversation = Conversation(self._service, session, hello)
@@ -222,6 +231,14 @@ class Lobby:
             if listening.hopeless:
                 self.deafen(listening)
                 self._later(_let_go(link))
+
+    async def drain(self, most_s: float) -> None:
+        """Take nothing new, and wait until nobody speaks any longer, or so many seconds."""
+        self._draining = True
+        with suppress(TimeoutError):
+            async with asyncio.timeout(most_s):
+                while self.speaking:
+                    await asyncio.sleep(DRAIN_STEP_S)
 
     async def goodbye(self, reason: str) -> None:
         """Tell everyone that the server goes down."""

@@ -18,7 +18,7 @@ from fapstream.errors import ProtocolError
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import encode
 from fapstream.records import Packet
-from fapstream.server import running
+from fapstream.server import Address, running
 from tests.unit.fakes import Failing, FakeVoices, fake_app
 
 LONG = "This is said for quite a while, and then for longer. " * 20
@@ -26,7 +26,7 @@ LONG = "This is said for quite a while, and then for longer. " * 20
 
 @asynccontextmanager
 async def served(fail: Callable[[str], None] | None = None) -> AsyncIterator[str]:
-    async with running(fake_app(FakeVoices(fail)), "127.0.0.1", 0) as server:
+    async with running(fake_app(FakeVoices(fail)), Address()) as server:
         yield address(server)
 
 

@@ -17,7 +17,7 @@ from websockets.typing import Subprotocol
 from fapstream.errors import InputError
 from fapstream.protocol import adapting
 from fapstream.protocol.adapting import decode, encode
-from fapstream.server import Adapting, running
+from fapstream.server import Adapting, Address, running
 from fapstream.server.adapting import MOST_SESSIONS, MOST_WAITING, Message
 from tests.unit.fakes import fake_app
 from tests.unit.server.peer import FakeLink
@@ -144,7 +144,7 @@ async def test_only_so_many_pages_at_once() -> None:
 
 async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
     made = Work()
-    async with running(fake_app(pages=Adapting(lambda clock: made)), "127.0.0.1", 0) as server:
+    async with running(fake_app(pages=Adapting(lambda clock: made)), Address()) as server:
         url = f"ws://127.0.0.1:{port(server)}"
         spoken = [Subprotocol(adapting.SUBPROTOCOL)]
         async with connect(url + adapting.PATH, subprotocols=spoken) as socket:
@@ -158,7 +158,7 @@ async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
 
 
 async def test_a_server_without_an_editor_has_no_such_socket() -> None:
-    async with running(fake_app(), "127.0.0.1", 0) as server:
+    async with running(fake_app(), Address()) as server:
         with pytest.raises(InvalidStatus) as e:
             await connect(
                 f"ws://127.0.0.1:{port(server)}{adapting.PATH}",

@@ -180,10 +180,10 @@ def test_a_bucket_waits_no_longer_than_it_must() -> None:
 
 def test_an_article_passes_in_one_piece_and_a_flood_does_not() -> None:
     limits = Limits()
-    bucket = Bucket(limits.text_per_s, limits.text_burst)
-    waits = [bucket.take(65_536, 0.0) for _ in range(8)]
-    assert waits[:4] == [0.0] * 4
-    assert waits[7] > 60
+    bucket = Bucket(limits.bytes_per_s, limits.bytes_burst)
+    waits = [bucket.take(65_536, 0.0) for _ in range(32)]
+    assert waits[:16] == [0.0] * 16
+    assert waits[31] > 60
 
 
 # addresses

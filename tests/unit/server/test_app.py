@@ -14,7 +14,7 @@ from websockets.typing import Subprotocol
 
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import decode, encode
-from fapstream.server import Site, running
+from fapstream.server import Address, Site, running
 from tests.unit.fakes import FakeVoices, fake_app
 
 PROTOCOLS = [Subprotocol(g.SUBPROTOCOL)]
@@ -22,7 +22,7 @@ PROTOCOLS = [Subprotocol(g.SUBPROTOCOL)]
 
 @pytest.fixture
 async def server() -> AsyncIterator[Server]:
-    async with running(fake_app(), "127.0.0.1", 0) as made:
+    async with running(fake_app(), Address()) as made:
         yield made
 
 
@@ -137,7 +137,7 @@ async def test_a_message_that_is_too_long_closes_the_session(server: Server) -> 
 
 async def test_going_down_says_goodbye_and_gives_the_voices_back() -> None:
     voices = FakeVoices()
-    async with running(fake_app(voices), "127.0.0.1", 0) as server:
+    async with running(fake_app(voices), Address()) as server:
         socket = await connect(url(server), subprotocols=PROTOCOLS)
         await socket.send(encode(g.Hello()))
         await socket.send(encode(g.Speak(turn=1, text=b"Hello there, this is long. " * 20)))
@@ -156,5 +156,5 @@ async def test_going_down_says_goodbye_and_gives_the_voices_back() -> None:
 
 async def test_a_port_that_is_taken_is_told(server: Server) -> None:
     with pytest.raises(OSError, match="address already in use"):
-        async with running(fake_app(), "127.0.0.1", port(server)):
+        async with running(fake_app(), Address(port=port(server))):
             pass

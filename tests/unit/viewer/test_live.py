@@ -16,7 +16,7 @@ from fapstream.client import ServerError
 from fapstream.errors import InputError
 from fapstream.protocol import generated as g
 from fapstream.records import Packet
-from fapstream.server import running
+from fapstream.server import Address, running
 from fapstream.viewer import live
 from fapstream.viewer.live import ConnectionLost, Wish, collect, perform
 from tests.unit.fakes import Failing, FakeVoices, fake_app
@@ -26,7 +26,7 @@ LONG = "This is said for quite a while, and then for longer. " * 6
 
 @asynccontextmanager
 async def served(fail: Callable[[str], None] | None = None) -> AsyncIterator[str]:
-    async with running(fake_app(FakeVoices(fail)), "127.0.0.1", 0) as server:
+    async with running(fake_app(FakeVoices(fail)), Address()) as server:
         yield f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/ws"
 
 
