@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import AsyncGenerator, AsyncIterator
 from typing import TYPE_CHECKING, Protocol
+from collections.abc import AsyncIterator
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from fapstream.records import Speech, Utterance
 
@@ -92,3 +94,37 @@ class Landmarker(Protocol):
 
         Raises PhotoError: more than one face, one that looks at the camera, no outline to be found.
         """
+
+
+Counted = Literal[
+    "turns", "resumes", "errors", "late_packets", "dropped", "underruns", "voice_restarts", "voice_hangs",
+    "sent_bytes",
+]  # fmt: skip
+Gauged = Literal["sessions", "listeners", "adapting", "voice_processes", "outbox_packets", "text_waiting"]
+Timed = Literal["first_audio", "packet_lateness", "skew", "loop_lag"]
+
+
+class Meter(Protocol):
+    """Where figures about a running server go. Calls are cheap enough for every packet and raise nothing."""
+
+    def count(self, name: Counted, amount: float = 1, label: str = "") -> None:
+        """So many more of them. `label`: which, for those that come in kinds."""
+
+    def level(self, name: Gauged, value: float) -> None:
+        """How many there are now."""
+
+    def time(self, name: Timed, seconds: float) -> None:
+        """How long one of them took."""
+
+
+class NoMeter:
+    """A meter that forgets."""
+
+    def count(self, name: Counted, amount: float = 1, label: str = "") -> None:
+        """See the port."""
+
+    def level(self, name: Gauged, value: float) -> None:
+        """See the port."""
+
+    def time(self, name: Timed, seconds: float) -> None:
+        """See the port."""
