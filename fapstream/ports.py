@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import AsyncGenerator, AsyncIterator
-from typing import TYPE_CHECKING, Protocol
-from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from fapstream.records import Speech, Utterance

@@ -44,7 +44,7 @@ COUNTERS: dict[Counted, Kinds] = {
     "resumes": Kinds("Sessions that were asked for again", "result", ("resumed", "gone")),
     "errors": Kinds("Errors told to clients", "code"),
     "late_packets": Kinds("Packets that left more than 20 ms after they were due"),
-    "dropped": Kinds("What slow listeners did not get", "level", ("faps", "packets", "listener")),
+    "dropped": Kinds("What slow listeners did not get", "level", ("thin", "skipped", "closed")),
     "underruns": Kinds("Times the sound ran dry, as clients report"),
     "voice_restarts": Kinds("MBROLA programs that died in a turn and were replaced"),
     "voice_hangs": Kinds("MBROLA programs that stopped answering and were ended"),

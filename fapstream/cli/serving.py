@@ -19,8 +19,9 @@ from pathlib import Path
 
 from websockets.datastructures import Headers
 
-from fapstream.adapters.bus import HubBus, open_bus
+from fapstream.adapters.bus import open_bus
 from fapstream.adapters.clock import MonotonicClock
+from fapstream.adapters.hub import HubBus
 from fapstream.adapters.metrics import Metrics
 from fapstream.adapters.pool import VoicePool
 from fapstream.cli.editor import editor
@@ -78,12 +79,13 @@ async def work(plan: Plan, index: int, ready: Callable[[str, int], None], parent
     """
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, stop.set)
-    if parent is not None:
+    loop.add_signal_handler(signal.SIGTERM, stop.set)
+    if parent is None:
+        loop.add_signal_handler(signal.SIGINT, stop.set)
+    else:
         loop.add_reader(parent, stop.set)
     meter = Metrics(plan.folder / "metrics" if plan.folder else None, index)
-    pool = VoicePool(meter)
+    pool = VoicePool()
     bus = HubBus(plan.folder / HUB_SOCKET) if plan.folder and plan.bus is None else open_bus(plan.bus)
     lag = asyncio.create_task(_watch_lag(meter))
     try:
@@ -110,7 +112,9 @@ def _app(plan: Plan, index: int, pool: VoicePool, bus: Bus, meter: Metrics) -> A
     site = Site(plan.heads)
     clock = MonotonicClock()
     admission = Admission(plan.limits, random.Random())
-    service = Service(pool, clock, lambda: site.heads, plan.lang, plan.voice, plan.manner, meter, admission.load)
+    service = Service(
+        pool, clock, lambda: site.heads, plan.lang, plan.voice, plan.manner, meter, admission.load.sent
+    )
     gate = Gate(admission, clock, plan.secrets)
     lobby = Lobby(service, bus, plan.channels, index, gate.listen_token)
     app = App(service, site, lobby, gate, Adapting(editor, gate), plan.doors, plan.proxies)

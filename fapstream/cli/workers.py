@@ -12,7 +12,7 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 log = logging.getLogger("fapstream.workers")
@@ -52,11 +52,12 @@ class _Child:
 
 @dataclass(slots=True)
 class Supervisor:
-    """`works`: what each process does. `all_ready` is called once, when every one has said that it is ready;
-    `died` is told the index of each that ended.
+    """`works`: what each process does; `helpers`: what those do that go last. `all_ready` is called once, when
+    every one has said that it is ready; `died` is told the index of each that ended.
     """
 
-    works: list[Work]
+    works: Sequence[Work]
+    helpers: Sequence[Work] = ()
     all_ready: Callable[[], None] = lambda: None
     died: Callable[[int], None] = lambda index: None
     stop_s: float = 10.0
@@ -70,8 +71,8 @@ class Supervisor:
         signal.pthread_sigmask(signal.SIG_BLOCK, watched)
         alive, held = os.pipe()
         ready, says_ready = os.pipe()
-        self._children = [_Child(i, work) for i, work in enumerate(self.works)]
-        self._waiting = set(range(len(self.works)))
+        self._children = [_Child(i, work) for i, work in enumerate((*self.works, *self.helpers))]
+        self._waiting = {child.index for child in self._children}
         fds = (alive, held, ready, says_ready)
         try:
             for child in self._children:
@@ -94,6 +95,7 @@ class Supervisor:
         try:
             os.close(held)
             os.close(ready)
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal tells all; the parent passes it on
             signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPPING | PASSED_ON | {signal.SIGCHLD})
             line = Lifeline(lambda: _say(says_ready, child.index), alive)
             child.work(child.index, line)
@@ -117,7 +119,7 @@ class Supervisor:
             elif got.si_signo in STOPPING:
                 return self._stop()
             elif got.si_signo in PASSED_ON:
-                self._tell(got.si_signo)
+                _tell(self._children, got.si_signo)
             elif not self._reap():
                 self._stop()
                 return 1
@@ -151,24 +153,31 @@ class Supervisor:
         return True
 
     def _stop(self) -> int:
-        self._tell(signal.SIGTERM)
-        deadline = time.monotonic() + self.stop_s + EXTRA_S
-        left = [c for c in self._children if c.pid]
+        working = self._children[: len(self.works)]
+        self._end(working, self.stop_s + EXTRA_S)
+        self._end(self._children[len(self.works) :], EXTRA_S)
+        return 0
+
+    def _end(self, children: Sequence[_Child], within_s: float) -> None:
+        """Ask them to end, and see to it that they do."""
+        left = [c for c in children if c.pid]
+        _tell(left, signal.SIGTERM)
+        deadline = time.monotonic() + within_s
         while left and time.monotonic() < deadline:
             got = signal.sigtimedwait(STOPPING | {signal.SIGCHLD}, 0.2)
             if got is not None and got.si_signo in STOPPING:
-                self._tell(signal.SIGTERM)  # asked twice: at once
+                _tell(left, signal.SIGTERM)  # asked twice: at once
             left = [c for c in left if not _ended(c.pid)]
         for child in left:
             log.error("worker %d does not end; it is killed", child.index)
             os.kill(child.pid, signal.SIGKILL)
             os.waitpid(child.pid, 0)
-        return 0
 
-    def _tell(self, number: int) -> None:
-        for child in self._children:
-            if child.pid:
-                os.kill(child.pid, number)
+
+def _tell(children: Sequence[_Child], number: int) -> None:
+    for child in children:
+        if child.pid:
+            os.kill(child.pid, number)
 
 
 def _say(fd: int, index: int) -> None:

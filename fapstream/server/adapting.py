@@ -18,8 +18,7 @@ log = logging.getLogger("fapstream.server")
 
 Message = dict[str, Any]
 
-MOST_SESSIONS = 4
-"""Pages that adapt at the same time: each keeps photos in memory and the processor busy."""
+HELLO_S = 5.0
 
 
 class Socket(Protocol):
@@ -42,30 +41,47 @@ class Work(Protocol):
         """What to send for a message. Raises nothing."""
 
 
+class Pass(Protocol):
+    """Who may make heads."""
+
+    def adapt(self, token: str | None, address: str) -> Callable[[], None]:
+        """What is returned is called when the page is gone. Raises NotAuthorised, Busy."""
+
+
 class Adapting:
     """The editor pages of a server. `make` makes a session; it raises FapstreamError where there can be
     none.
     """
 
-    def __init__(self, make: Callable[[Callable[[], float]], Work]) -> None:
+    def __init__(self, make: Callable[[Callable[[], float]], Work], gate: Pass) -> None:
         self._make = make
-        self._pages = 0
+        self._gate = gate
 
-    async def handle(self, socket: Socket, address: str = "") -> None:
+    async def handle(self, socket: Socket, address: str) -> None:
         """One page from its handshake to its end."""
-        if self._pages >= MOST_SESSIONS:
-            await _say(socket, _failed("busy", "too many heads are being made here; try again in a minute"))
-            return
-        self._pages += 1
         try:
-            work = await asyncio.to_thread(self._make, time.perf_counter)
-            await _Page(socket, work).run()
+            async with asyncio.timeout(HELLO_S):
+                token = _token(adapting.decode(await socket.recv()))
+            leave = self._gate.adapt(token, address)
+            try:
+                work = await asyncio.to_thread(self._make, time.perf_counter)
+                await _Page(socket, work).run()
+            finally:
+                leave()
+        except TimeoutError:
+            await _say(socket, _failed("timeout", "no hello in time"))
         except FapstreamError as e:
             await _say(socket, _failed(e.code, str(e)))
         except ConnectionClosed:
             pass
-        finally:
-            self._pages -= 1
+
+
+def _token(hello: Message) -> str | None:
+    """Raises RemoteProtocolError."""
+    token = hello.get("token")
+    if hello["type"] != "hello" or not (token is None or isinstance(token, str)):
+        raise RemoteProtocolError("the first message is `hello`, with a `token` if one is needed")
+    return token
 
 
 class _Page:

@@ -73,6 +73,8 @@ class _State:
     announced: bool = False
     """Listeners know of the turn."""
     ring: deque[Item] = field(default_factory=lambda: deque(maxlen=KEEP_PACKETS))
+    end: int = 0
+    """Samples of the turn that have come."""
     word: g.Mark | None = None
     caption: g.Mark | None = None
     broken: bool = False
@@ -157,7 +159,7 @@ class Channel:
         if state.begin and state.begin.turn == message.turn:
             return
         state.begin, state.word, state.caption = message, None, None
-        state.announced = False
+        state.announced, state.end = False, 0
         state.ring.clear()
 
     def _packet(self, message: g.Packet, data: bytes) -> None:
@@ -165,6 +167,9 @@ class Channel:
         new = not state.announced or state.broken
         if state.begin is None or message.turn != state.begin.turn or (new and not message.key):
             return
+        if message.sample < state.end:
+            return  # the bus says again what it said before
+        state.end = message.sample + length_of(message)
         item = Item(message, data, state.in_force)
         if new:
             state.announced, state.broken = True, False
@@ -183,6 +188,7 @@ class Channel:
         while ring and _end_of(ring[-1]) > message.sample:
             ring.pop()
         self._state.word = self._state.caption = None
+        self._state.end = message.sample
         self._offer(Item(message, data))
 
     # who listens

@@ -138,8 +138,11 @@ class Connection:
             self._lobby.lost(conversation, self._link)
 
     def _enter(self, hello: g.Hello) -> Conversation:
-        if hello.resume and (found := self._lobby.resume(hello, self._link)):
-            return found
+        if hello.resume:
+            found = self._lobby.resume(hello, self._link)
+            self._service.meter.count("resumes", label="resumed" if found else "gone")
+            if found:
+                return found
         leave = self._gate.speak(hello, self._address)
         try:
             return self._lobby.enter(self._session, hello, self._link, leave)
@@ -150,7 +153,13 @@ class Connection:
     async def _listen(self, wish: g.Listen) -> None:
         self._lobby.check_channel(wish.channel)
         leave = self._gate.listen(wish, self._address)
-        listening = Listening(self._link, wish.prefer or "sound", self._service.clock.now)
+        meter = self._service.meter
+        listening = Listening(
+            self._link,
+            wish.prefer or "sound",
+            self._service.clock.now,
+            lambda level: meter.count("dropped", label=level),
+        )
         try:
             name = secrets.token_hex(8)
             self._link.write(encode(replace(ready(self._service, name, 25), channel=wish.channel)))
@@ -180,6 +189,7 @@ class Connection:
             await asyncio.sleep(delay)
 
     async def _fail(self, code: str, message: str, close: int, retry_ms: int | None = None) -> None:
+        self._service.meter.count("errors", label=code)
         error = g.Error(code=code, message=message[:1000], fatal=True, retry_ms=retry_ms)
         self._link.write(encode(error))
         await self._link.close(close, code)

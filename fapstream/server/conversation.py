@@ -33,6 +33,10 @@ HIGH_WATER = 65_536
 """With more than so many bytes waiting to go, the speaker waits."""
 
 
+LATE_S = 0.02
+"""A packet that leaves so long after it was due counts as late."""
+
+
 class Audience(Protocol):
     """Who else hears a conversation."""
 
@@ -59,12 +63,18 @@ class Conversation:
         self._turns: dict[int, Turn] = {}
         self._queue: asyncio.Queue[Turn] = asyncio.Queue()
         self._taken = asyncio.Event()
+        self._underruns = 0
         self._speaker: asyncio.Task[None] | None = None
 
     @property
     def busy(self) -> bool:
         """Turns are being spoken or wait."""
         return bool(self._turns)
+
+    @property
+    def text_waiting(self) -> int:
+        """Characters that are not spoken yet."""
+        return sum(turn.text_waiting for turn in self._turns.values())
 
     def start(self, link: Link) -> None:
         """Begin to speak turns as they come."""
@@ -168,6 +178,10 @@ class Conversation:
         if ack.received is not None:
             self.session.sent.forget(ack.received)
             self._taken.set()
+        self._service.meter.time("skew", ack.skew / 1e6)
+        if ack.underruns > self._underruns:
+            self._service.meter.count("underruns", ack.underruns - self._underruns)
+            self._underruns = ack.underruns
         turn = self._turns.get(ack.turn)
         if turn and turn.pacer:
             turn.pacer.acknowledge(ack.sample, self._service.clock.now())
@@ -196,10 +210,12 @@ class Conversation:
     # what is spoken
 
     async def _speak_turns(self) -> None:
+        free_since = 0.0
         while True:
             turn = await self._queue.get()
             if turn.over:
                 continue
+            turn.called = max(turn.opened, free_since)
             turn.task = asyncio.create_task(self._speak(turn))
             try:
                 await turn.task
@@ -216,6 +232,7 @@ class Conversation:
                 log.exception("turn %d failed", turn.number, extra={"session": self.id})
                 await self.fail("internal", "the server made a mistake; please connect again")
                 return
+            free_since = self._service.clock.now()
 
     async def _speak(self, turn: Turn) -> None:
         voice, clock = turn.voice, self._service.clock
@@ -244,7 +261,7 @@ class Conversation:
         """Send it when its time has come, unless it is void by then."""
         clock, pacer = self._service.clock, turn.pacer
         assert pacer
-        cuts = len(turn.cuts)
+        cuts, came = len(turn.cuts), clock.now()
         await self._room()
         while True:
             await turn.going.wait()
@@ -254,16 +271,28 @@ class Conversation:
         valid = turn.still_valid(packet, cuts)
         if valid is None:
             return
-        end = valid.start + len(valid.pcm)
+        end, now = valid.start + len(valid.pcm), clock.now()
+        self._measure(turn, now - max(came, pacer.due(packet.start, now)), now)
         turn.sent = end
-        pacer.sent(valid.start, end, clock.now())
+        pacer.sent(valid.start, end, now)
         data, key = self.session.send_packet(valid)
         self._relay("packet", data, key)
         await self._write(data)
 
+    def _measure(self, turn: Turn, late_s: float, now: float) -> None:
+        """Figures of a packet that leaves now, `late_s` after it was due or made."""
+        meter = self._service.meter
+        if not turn.sent and not turn.cuts:
+            meter.time("first_audio", now - turn.called)
+        meter.time("packet_lateness", max(0.0, late_s))
+        if late_s > LATE_S:
+            meter.count("late_packets")
+        self._service.sent(late_s, now)
+
     async def _done(self, turn: Turn, reason: Reason) -> None:
         turn.over = True
         self._turns.pop(turn.number, None)
+        self._service.meter.count("turns", label=reason)
         if reason != "interrupted":
             await self.send(g.Done(turn=turn.number, reason=reason, samples=turn.sent))
             return
@@ -275,6 +304,7 @@ class Conversation:
         )
 
     async def _refuse(self, turn: int, error: FapstreamError) -> None:
+        self._service.meter.count("errors", label=error.code)
         await self.send(g.Error(code=error.code, message=str(error)[:1000], fatal=False, turn=turn))
 
     # what goes out
@@ -290,6 +320,7 @@ class Conversation:
         if link is None:
             return
         link.write(data)
+        self._service.meter.count("sent_bytes", len(data))
         self.session.sent.shrink(g.RING_MS)
         if link.backlog > HIGH_WATER:
             await self._drained(link)

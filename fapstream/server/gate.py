@@ -42,6 +42,11 @@ class Gate:
         self.grant(wish.token).require("listen", wish.channel)
         return self.enter("listener", address)
 
+    def adapt(self, token: str | None, address: str) -> Leave:
+        """Let an editor page in, likewise."""
+        self.grant(token).require("adapt")
+        return self.enter("adapting", address)
+
     def grant(self, token: str | None) -> Grant:
         """What a token allows now. Raises NotAuthorised."""
         return check(token or "", self._secrets, time.time()) if self._secrets else EVERYTHING

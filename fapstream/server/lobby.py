@@ -220,6 +220,14 @@ class Lobby:
                     guest.stage.beat()
             for there in list(self._channels.values()):
                 await self._keep_channel(there)
+            self._report()
+
+    def _report(self) -> None:
+        meter, guests = self._service.meter, self._guests.values()
+        meter.level("sessions", len(guests))
+        meter.level("listeners", sum(len(there.listeners) for there in self._channels.values()))
+        meter.level("outbox_packets", sum(x.conversation.session.sent.weight for x in guests) // g.PACKET_MS)
+        meter.level("text_waiting", sum(x.conversation.text_waiting for x in guests))
 
     async def _keep_channel(self, there: _Open) -> None:
         if not there.listeners:
@@ -229,6 +237,7 @@ class Lobby:
         there.channel.look()
         for listening, link in list(there.listeners.items()):
             if listening.hopeless:
+                self._service.meter.count("dropped", label="closed")
                 self.deafen(listening)
                 self._later(_let_go(link))
 

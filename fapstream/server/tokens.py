@@ -19,7 +19,7 @@ from jwt.types import Options
 
 from fapstream.errors import InputError, NotAuthorised
 
-SCOPES = ("speak", "listen", "adapt")
+SCOPES = ("speak", "listen", "adapt", "metrics")
 ALGORITHM = "HS256"
 LEAST_SECRET_BYTES = 32
 """As long as what it signs with; RFC 7518, 3.2."""
@@ -52,7 +52,7 @@ class Grant:
         """Raises NotAuthorised unless the scope is granted, for that channel if it is about one."""
         if scope not in self.scopes:
             raise NotAuthorised(f"the token does not allow to {scope}; ask for one with the scope {scope!r}")
-        if scope != "adapt" and self.channel not in (None, channel):
+        if scope in ("speak", "listen") and self.channel not in (None, channel):
             raise NotAuthorised(f"the token is for the channel {self.channel!r} only")
 
 

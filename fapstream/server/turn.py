@@ -39,6 +39,8 @@ class Turn:
     voice: Voice
     opened: float
     """When its first fragment came, on the server's clock."""
+    called: float = 0.0
+    """When it could begin: then, or when the turn before it was over."""
     text: list[str] = field(default_factory=list)
     ended: bool = False
     talk: Talk | None = None
@@ -58,12 +60,17 @@ class Turn:
         """Its id."""
         return self.opening.turn
 
+    @property
+    def text_waiting(self) -> int:
+        """Characters that are not spoken yet."""
+        return MAX_PENDING_TEXT - self.talk.room if self.talk else sum(map(len, self.text))
+
     def feed(self, text: str) -> None:
         """More text. Raises TextTooLong, and takes none of it."""
         if self.talk:
             self.talk.feed(text)
             return
-        waiting = sum(map(len, self.text)) + len(text)
+        waiting = self.text_waiting + len(text)
         if waiting > MAX_PENDING_TEXT:
             raise TextTooLong(waiting, MAX_PENDING_TEXT)
         self.text.append(text)

@@ -215,6 +215,9 @@ class OpenGate:
     def open(self, address: str) -> Callable[[], None]:
         return self._enter()
 
+    def adapt(self, token: str | None, address: str) -> Callable[[], None]:
+        return self._enter()
+
     def pace(self) -> Callable[[int], float]:
         return lambda size: 0.0
 

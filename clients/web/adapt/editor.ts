@@ -43,8 +43,8 @@ export class Editor {
   /** The points as they were saved last: leaving without others asks first. */
   private saved: State | null = null;
 
-  constructor(url: string) {
-    this.session = new Session(url, {
+  constructor(url: string, token: string | null) {
+    this.session = new Session(url, token, {
       ready: (message) => this.begin(message),
       photo: (message) => void this.receivePhoto(message),
       fit: (message) => this.receiveFit(message),

@@ -18,10 +18,10 @@ export class Session {
   private readonly socket: Socket;
   private readonly exchange: Exchange;
 
-  constructor(url: string, private readonly events: SessionEvents) {
+  constructor(url: string, token: string | null, private readonly events: SessionEvents) {
     this.exchange = new Exchange((message) => this.socket.send(encode(message)));
     this.socket = new Socket(url, SUBPROTOCOL, {
-      open: () => undefined,
+      open: () => this.socket.send(encode({ type: "hello", ...(token && { token }) })),
       message: (data) => this.received(data),
       close: () => (this.exchange.end(), this.events.lost()),
     });

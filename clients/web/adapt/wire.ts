@@ -16,10 +16,11 @@ export interface Head { type: "head"; seq: number; head: Uint8Array<ArrayBuffer>
 export interface Fault { type: "error"; code: string; message: string; seq?: number; view?: ViewName; fatal: boolean }
 export type ServerMessage = Ready | Photo | Fit | Head | Fault;
 
+export interface Hello { type: "hello"; token?: string }
 export interface PhotoUp { type: "photo"; view: ViewName; data: Uint8Array }
 export interface PointsUp { type: "points"; seq: number; front: Marks; profile?: Marks; method?: string }
 export interface HeadUp extends Omit<PointsUp, "type"> { type: "head"; name?: string }
-export type ClientMessage = PhotoUp | PointsUp | HeadUp;
+export type ClientMessage = Hello | PhotoUp | PointsUp | HeadUp;
 
 export function encode(message: ClientMessage): Uint8Array<ArrayBuffer> {
   return pack(new Map(Object.entries(message).map(([name, value]) => [name, value instanceof Map ? packMarks(value) : value])));

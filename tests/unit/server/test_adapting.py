@@ -5,7 +5,9 @@ be.
 from __future__ import annotations
 
 import asyncio
+import random
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -18,8 +20,11 @@ from fapstream.errors import InputError
 from fapstream.protocol import adapting
 from fapstream.protocol.adapting import decode, encode
 from fapstream.server import Adapting, Address, running
-from fapstream.server.adapting import MOST_SESSIONS, MOST_WAITING, Message
-from tests.unit.fakes import fake_app
+from fapstream.server.adapting import MOST_WAITING, Message
+from fapstream.server.admission import Admission, Limits
+from fapstream.server.gate import Gate
+from fapstream.server.tokens import Grant, mint
+from tests.unit.fakes import LoopClock, OpenGate, fake_app
 from tests.unit.server.peer import FakeLink
 from tests.unit.server.test_app import port
 
@@ -54,7 +59,9 @@ class Page:
     def __init__(self, work: Work | None = None, pages: Adapting | None = None) -> None:
         self.work = work or Work()
         self.socket = FakeSocket()
-        self.task = asyncio.create_task((pages or Adapting(lambda clock: self.work)).handle(self.socket))
+        pages = pages or Adapting(lambda clock: self.work, OpenGate())
+        self.task = asyncio.create_task(pages.handle(self.socket, "127.0.0.1"))
+        self.say(type="hello")
 
     async def get(self) -> dict[str, Any]:
         return decode(await asyncio.wait_for(self.socket.to_client.get(), 5))
@@ -119,18 +126,42 @@ async def test_a_server_that_cannot_says_why() -> None:
     def refused(clock: Callable[[], float]) -> Work:
         raise InputError("pip install something")
 
-    page = Page(pages=Adapting(refused))
+    page = Page(pages=Adapting(refused, OpenGate()))
     answer = await page.get()
     assert answer["fatal"]
     assert "something" in answer["message"]
     await asyncio.wait_for(page.task, 5)
 
 
+@pytest.mark.parametrize("first", [{"type": "photo", "data": b""}, {"type": "hello", "token": 5}])
+async def test_nothing_is_taken_before_hello(first: Message) -> None:
+    page = Page()
+    page.socket.to_server.get_nowait()
+    page.say(**first)
+    answer = await page.get()
+    assert (answer["code"], answer["fatal"]) == ("protocol", True)
+    await asyncio.wait_for(page.task, 5)
+
+
+async def test_where_tokens_are_asked_for_one_is_needed() -> None:
+    secret = b"s" * 32
+    gate = Gate(Admission(Limits(), random.Random(1)), LoopClock(), (secret,))
+    for grant, code in ((None, "unauthorised"), ("speak", "unauthorised"), ("adapt", None)):
+        page = Page(pages=Adapting(lambda clock: Work(), gate))
+        page.socket.to_server.get_nowait()
+        token = grant and mint(secret, Grant(frozenset({grant})), 60, time.time())
+        page.say(type="hello", token=token)
+        assert (await page.get()).get("code") == code
+        page.socket.to_server.put_nowait(None)
+        await asyncio.wait_for(page.task, 5)
+
+
 async def test_only_so_many_pages_at_once() -> None:
-    works = [Work() for _ in range(MOST_SESSIONS + 1)]
-    rest = iter(works)
-    pages = Adapting(lambda clock: next(rest))
-    opened = [Page(pages=pages) for _ in range(MOST_SESSIONS)]
+    most = 4
+    rest = iter([Work() for _ in range(most + 1)])
+    gate = Gate(Admission(Limits(adapting=most, adapting_per_address=9), random.Random(1)), LoopClock())
+    pages = Adapting(lambda clock: next(rest), gate)
+    opened = [Page(pages=pages) for _ in range(most)]
     for page in opened:
         assert (await page.get())["type"] == "ready"
     late = Page(pages=pages)
@@ -144,10 +175,11 @@ async def test_only_so_many_pages_at_once() -> None:
 
 async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
     made = Work()
-    async with running(fake_app(pages=Adapting(lambda clock: made)), Address()) as server:
+    async with running(fake_app(pages=Adapting(lambda clock: made, OpenGate())), Address()) as server:
         url = f"ws://127.0.0.1:{port(server)}"
         spoken = [Subprotocol(adapting.SUBPROTOCOL)]
         async with connect(url + adapting.PATH, subprotocols=spoken) as socket:
+            await socket.send(encode({"type": "hello"}))
             assert decode(await socket.recv())["type"] == "ready"
             await socket.send(encode({"type": "photo", "seq": 1, "data": bytes(8 << 20)}))
             assert decode(await socket.recv())["size"] == 8 << 20
