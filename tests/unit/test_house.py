@@ -156,15 +156,15 @@ def test_every_module_has_its_test(path: Path) -> None:
     assert mirror.is_file(), f"no {mirror.relative_to(ROOT)}"
 
 
-ABOUT_ASSETS = {"head/test_fat.py"}
-"""Tests of the packaged heads rather than of a module."""
+ABOUT_NO_MODULE = {"head/test_fat.py", "test_audit.py", "test_deploy.py"}
+"""Tests of the packaged heads, and of what is in tools/."""
 
 
 def test_every_unit_test_mirrors_a_module() -> None:
     """What a module does in one language may have a test of its own, with the language at its end."""
     for test in (ROOT / "tests" / "unit").rglob("test_*.py"):
         relative = test.relative_to(ROOT / "tests" / "unit")
-        if relative == Path("test_house.py") or relative.as_posix() in ABOUT_ASSETS:
+        if relative == Path("test_house.py") or relative.as_posix() in ABOUT_NO_MODULE:
             continue
         package = ROOT / "tests" if relative.parts[0] == "benchmarks" else PACKAGE
         name = re.sub(r"^test_(.*?)(_en|_el)?\.py$", r"\1.py", relative.name)

@@ -160,8 +160,8 @@ def test_secrets_are_hidden(message: str) -> None:
 
 @pytest.mark.parametrize(
     "message",
-    ["3 tokens a second", "token expired", "the text is too long: 70000 characters", "GET /ws?lang=en HTTP/1.1",
-     "resumes: 5", "text=12", "context: 'x'"],
+    ["3 tokens a second", "token expired", "the text is too long: 70000 characters",
+     "GET /ws?lang=en HTTP/1.1", "resumes: 5", "text=12", "context: 'x'"],
 )  # fmt: skip
 def test_what_is_no_secret_stays(message: str) -> None:
     assert Hide([OURS]).text(message) == message
