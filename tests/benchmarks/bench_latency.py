@@ -138,7 +138,7 @@ def main() -> None:
     args = parser.parse_args()
     floor = mbrola_floor_ms(args.runs)
     espeak = espeak_ng_ms(min(args.runs, 30))
-    with server("--lang", "en", "--voice", "us1") as address:
+    with server("--lang", "en", "--voice", "us1") as (address, _):
         whole, trickled = asyncio.run(measure(address, args.runs))
     rows: list[tuple[str, str, list[float]]] = [
         ("first_packet_ms", "text sent to first phone's packet with FAPs, loopback", whole),

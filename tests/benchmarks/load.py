@@ -167,8 +167,17 @@ class Tally:
 class Talker:
     """Has one turn after another spoken, acknowledges as a card would play, and notes what is late."""
 
-    def __init__(self, number: int, tally: Tally, voices: list[tuple[str, str]]) -> None:
+    def __init__(
+        self,
+        number: int,
+        tally: Tally,
+        voices: list[tuple[str, str]],
+        sentences: int = 3,
+        channel: str | None = None,
+    ) -> None:
         self.number = number
+        self._sentences = sentences
+        self._channel = channel
         self._tally = tally
         self._voice, self._lang = voices[number % len(voices)]
         self._turn = 0
@@ -183,7 +192,7 @@ class Talker:
     async def start(self, address: str) -> None:
         """Connect and begin to speak."""
         self._socket = await connect(address, self._take, self._stop_acks)
-        self._socket.send(g.Hello(client="load"))
+        self._socket.send(g.Hello(client="load", channel=self._channel))
 
     def stop(self) -> None:
         """Leave."""
@@ -200,7 +209,7 @@ class Talker:
     def _speak(self) -> None:
         sentences = SENTENCES[self._lang]
         k = self.number + 3 * self._turn
-        text = "".join(sentences[(k + i * (1 + k % 3)) % len(sentences)] for i in range(3))
+        text = "".join(sentences[(k + i * (1 + k % 3)) % len(sentences)] for i in range(self._sentences))
         self._turn += 1
         self._received, self._play = 0, None
         assert self._socket

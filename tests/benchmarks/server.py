@@ -9,8 +9,8 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def server(*arguments: str) -> Iterator[str]:
-    """Its address, such as `127.0.0.1:40123`."""
+def server(*arguments: str) -> Iterator[tuple[str, int]]:
+    """Its address, such as `127.0.0.1:40123`, and its pid."""
     command = [sys.executable, "-m", "fapstream", "serve", "--port", "0", *arguments]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
@@ -18,7 +18,7 @@ def server(*arguments: str) -> Iterator[str]:
         line = process.stdout.readline()
         if "http://" not in line:
             raise RuntimeError(f"the server did not start: {line!r}")
-        yield line.split("http://")[1].strip().rstrip("/")
+        yield line.split("http://")[1].strip().rstrip("/"), process.pid
     finally:
         process.terminate()
         process.wait(10)
