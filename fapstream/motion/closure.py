@@ -3,6 +3,8 @@
 In MPEG-4 the lips of the neutral face touch, so they are apart by -(upper + lower) FAP units, upper being
 positive down and lower positive up. `p b m` set that sum, `f v` the lower lip's place under the upper teeth.
 What the lips do together (a smile's raised corners, its width) is not touched.
+
+Every face may be one, shape (68,), or many, shape (n, 68), each with its own share, shape (n,).
 """
 
 from __future__ import annotations
@@ -28,32 +30,34 @@ UPPER_SHARE = 0.3
 
 
 def part(values: Values) -> None:
-    """Lips do not go through each other: they are nowhere nearer than when pressed. In place, (68,)."""
+    """Lips do not go through each other: they are nowhere nearer than when pressed. In place."""
     upper, lower = UPPER[VERTICAL], LOWER[VERTICAL]
     pressed = visemes()[CLOSED]
-    excess = np.maximum(0.0, values[upper] + values[lower] - (pressed[upper] + pressed[lower]))
-    values[upper] -= 0.5 * excess
-    values[lower] -= 0.5 * excess
+    excess = np.maximum(0.0, values[..., upper] + values[..., lower] - (pressed[upper] + pressed[lower]))
+    values[..., upper] -= 0.5 * excess
+    values[..., lower] -= 0.5 * excess
 
 
-def seal(values: Values, share: float) -> None:
-    """Bring the lips to the distance that p, b and m have, at share 1 exactly. In place, (68,)."""
+def seal(values: Values, share: float | Values) -> None:
+    """Bring the lips to the distance that p, b and m have, at share 1 exactly. In place."""
     closed = visemes()[CLOSED]
     upper, lower = UPPER[VERTICAL], LOWER[VERTICAL]
-    way = share * (closed[upper] + closed[lower] - values[upper] - values[lower])
-    values[upper] += UPPER_SHARE * way
-    values[lower] += (1.0 - UPPER_SHARE) * way
+    each = np.expand_dims(share, -1)
+    way = each * (closed[upper] + closed[lower] - values[..., upper] - values[..., lower])
+    values[..., upper] += UPPER_SHARE * way
+    values[..., lower] += (1.0 - UPPER_SHARE) * way
     top, bottom = UPPER[-1], LOWER[-1]
-    apart = share * (values[top] - values[bottom] - closed[top] + closed[bottom])
-    values[top] -= apart / 2
-    values[bottom] += apart / 2
-    values[JAW] += share * (closed[JAW] - values[JAW])
+    apart = share * (values[..., top] - values[..., bottom] - closed[top] + closed[bottom])
+    values[..., top] -= apart / 2
+    values[..., bottom] += apart / 2
+    values[..., JAW] += each * (closed[JAW] - values[..., JAW])
 
 
-def bite(values: Values, share: float) -> None:
-    """Bring the lower lip to the upper teeth as f and v do; the upper lip keeps clear. In place, (68,)."""
+def bite(values: Values, share: float | Values) -> None:
+    """Bring the lower lip to the upper teeth as f and v do; the upper lip keeps clear. In place."""
     bitten = visemes()[BITTEN]
+    each = np.expand_dims(share, -1)
     for columns in (LOWER, JAW):
-        values[columns] += share * (bitten[columns] - values[columns])
+        values[..., columns] += each * (bitten[columns] - values[..., columns])
     upper = UPPER[VERTICAL]
-    values[upper] -= share * np.maximum(0.0, values[upper] - bitten[upper])
+    values[..., upper] -= each * np.maximum(0.0, values[..., upper] - bitten[upper])

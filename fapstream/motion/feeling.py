@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.fap import expressions
-from fapstream.motion.chance import minimum_jerk
+from fapstream.motion.chance import Real, minimum_jerk
 from fapstream.records import N_FAPS, SILENCE, TimedPhone
 
 COME_S, EBB_S, GO_S = 0.4, 0.6, 0.8
@@ -34,7 +35,7 @@ class _Episode:
     leave: float
     """When it begins to go, s."""
 
-    def level(self, t: float) -> float:
+    def level(self, t: Real) -> Any:
         """0 to 1 at `t` seconds."""
         come = min(COME_S, max(1e-3, (self.end - self.start) / 2))
         ebb = 1.0 - (1.0 - LASTING) * minimum_jerk((t - self.end) / EBB_S)
@@ -66,11 +67,13 @@ class Feeling:
         if self._episodes:
             self._episodes[-1].leave = min(self._episodes[-1].leave, t)
 
-    def at(self, t: float) -> NDArray[np.float64]:
-        """FAPs (68,) at `t` seconds, FAP units. Times do not go back by more than a second."""
-        values = np.zeros(N_FAPS)
-        while self._episodes and self._episodes[0].leave + GO_S < t - 1.0:
+    def at(self, t: Real) -> NDArray[np.float64]:
+        """FAPs (..., 68) at `t` seconds, FAP units; many instants ascend. Times do not go back by more than a
+        second."""
+        first = np.ravel(t)[0]
+        values = np.zeros((*np.shape(t), N_FAPS))
+        while self._episodes and self._episodes[0].leave + GO_S < first - 1.0:
             self._episodes.popleft()
         for episode in self._episodes:
-            values += episode.level(t) * expressions()[episode.name]
+            values += np.multiply.outer(episode.level(t), expressions()[episode.name])
         return values

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fapstream.data import read_text
 from fapstream.fap import ANGLE_UNIT_RAD
-from fapstream.motion.chance import minimum_jerk, uniform
+from fapstream.motion.chance import Real, minimum_jerk, uniform
 from fapstream.motion.idle import blink
 from fapstream.records import N_FAPS, SILENCE, Phone, TimedPhone
 
@@ -43,7 +43,7 @@ class _Gesture:
     down: float
     values: NDArray[np.float64]
 
-    def level(self, t: float) -> float:
+    def level(self, t: Real) -> Any:
         into = t - self.start
         return minimum_jerk(into / self.up) - minimum_jerk((into - self.up) / self.down)
 
@@ -70,18 +70,23 @@ class Gestures:
             self._spoke = False
             self._phrase_end(start)
 
-    def at(self, t: float) -> tuple[NDArray[np.float64], float]:
-        """FAPs (68,), FAP units, and how far a blink shuts the lids (0 to 1). Times go back 1 s at most."""
-        while self._gestures and self._gestures[0].start < t - LONGEST_S - 1.0:
+    def at(self, t: Real) -> tuple[NDArray[np.float64], Any]:
+        """FAPs (..., 68), FAP units, and how far a blink shuts the lids (0 to 1), at one instant or at many,
+        ascending. Times go back 1 s at most."""
+        first, last = np.ravel(t)[[0, -1]]
+        while self._gestures and self._gestures[0].start < first - LONGEST_S - 1.0:
             self._gestures.popleft()
-        while self._blinks and self._blinks[0][1] < t - LONGEST_S - 1.0:
+        while self._blinks and self._blinks[0][1] < first - LONGEST_S - 1.0:
             self._blinks.popleft()
-        values = np.zeros(N_FAPS)
+        values = np.zeros((*np.shape(t), N_FAPS))
         for gesture in self._gestures:
-            if gesture.start > t:
-                break
-            values += gesture.level(t) * gesture.values
-        return values, max((blink(self._seed, k, t - start) for k, start in self._blinks), default=0.0)
+            if first - LONGEST_S < gesture.start <= last:
+                values += np.multiply.outer(gesture.level(t), gesture.values)
+        shut: Any = 0.0
+        for k, start in self._blinks:
+            if first - LONGEST_S < start <= last:
+                shut = np.maximum(shut, blink(self._seed, k, t - start))
+        return values, shut
 
     def _accent(self, start: float, strength: float) -> None:
         self._busy_until = start + table()["accent"]["apart_s"]
@@ -108,7 +113,7 @@ class Gestures:
         self._gestures.append(_Gesture(start, law["up_s"], law["down_s"], values))
 
     def _chance(self, channel: int) -> float:
-        return uniform(self._seed, channel, self._count)
+        return float(uniform(self._seed, channel, self._count))
 
 
 def accent(phone: Phone) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Values = NDArray[np.float64]
 
 
-def hermite(x: float, a1: Values, a2: Values, g1: Values, g2: Values) -> Values:
+def hermite(x: float | Values, a1: Values, a2: Values, g1: Values, g2: Values) -> Values:
     """f(x) = (2x^3-3x^2+1)a1 + (-2x^3+3x^2)a2 + (x^3-2x^2+x)g1 + (x^3-x^2)g2 for x in [0, 1].
 
     `g1`, `g2` are slope x interval. All arrays have one shape.
@@ -22,7 +22,9 @@ def hermite(x: float, a1: Values, a2: Values, g1: Values, g2: Values) -> Values:
     return (2 * x3 - 3 * x2 + 1) * a1 + (3 * x2 - 2 * x3) * a2 + (x3 - 2 * x2 + x) * g1 + (x3 - x2) * g2
 
 
-def limited_slope(before: float, after: float, rise_before: Values, rise_after: Values) -> Values:
+def limited_slope(
+    before: float | Values, after: float | Values, rise_before: Values, rise_after: Values
+) -> Values:
     """Slope at a keyframe, in value per unit of time.
 
     `before`, `after`: the intervals to its neighbours; `rise_before`, `rise_after`: how much the

@@ -8,14 +8,26 @@ same face.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import hypot, log, pi, radians, sin
+from math import pi, radians
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fapstream.data import read_text
-from fapstream.motion.chance import Events, log_normal, minimum_jerk, noise, normal, uniform
+from fapstream.motion.chance import (
+    Events,
+    Real,
+    Whole,
+    log_normal,
+    minimum_jerk,
+    noise,
+    normal,
+    uniform,
+)
 
 Mode = Literal["talk", "listen"]
 
@@ -36,18 +48,19 @@ def life() -> Any:
 class Look:
     """Where the eyes aim, in the frame of the trunk: radians to the subject's left and down, and 1/m."""
 
-    yaw: float
-    pitch: float
-    nearness: float
+    yaw: Real
+    pitch: Real
+    nearness: Real
 
 
 @dataclass(frozen=True, slots=True)
 class Idle:
-    """One instant: how far the lids are shut (0 to 1), the gaze, and the head's pitch, yaw and roll (rad)."""
+    """How far the lids are shut (0 to 1), the gaze, and the head's pitch, yaw and roll (rad), at one instant,
+    or at each of many: then all are arrays of shape (n,)."""
 
-    shut: float
+    shut: Real
     look: Look
-    head: tuple[float, float, float]
+    head: tuple[Real, Real, Real]
 
 
 class IdleLife:
@@ -58,8 +71,8 @@ class IdleLife:
         self._gaze = Gaze(seed, mode)
         self._seed = seed
 
-    def at(self, t: float) -> Idle:
-        """The face at `t` seconds, t >= 0."""
+    def at(self, t: Real) -> Idle:
+        """The face at `t` seconds, t >= 0; many instants in ascending order cost little more than one."""
         look, turn = self._gaze.at(t)
         pitch, yaw, roll = sway(self._seed, t)
         return Idle(self._blinks.shut(t), look, (pitch + turn[1], yaw + turn[0], roll))
@@ -73,16 +86,16 @@ class Blinks:
         law = life()["blink"]["interval_s"][mode]
         self._events = Events(lambda k: log_normal(seed, BLINK, k, law))
 
-    def shut(self, t: float) -> float:
+    def shut(self, t: Real) -> Any:
         """0 open, 1 shut."""
         k, into = self._events.at(t)
         spread = uniform(self._seed, PARTIAL, k)
         partial = life()["blink"]["partial"]
-        depth = partial["depth"] if spread < partial["share"] else 1.0
+        depth = np.where(spread < partial["share"], partial["depth"], 1.0)
         return depth * blink(self._seed, k, into)
 
 
-def blink(seed: int, k: int, into: float) -> float:
+def blink(seed: int, k: Whole, into: Real) -> Any:
     """Blink k, `into` seconds after it began, 0 to 1: down fast, up at first fast and then slowly."""
     table = life()["blink"]
     close, shut, opening = (
@@ -91,9 +104,8 @@ def blink(seed: int, k: int, into: float) -> float:
             (CLOSE, SHUT, OPEN), (table["close_s"], table["shut_s"], table["open_s"]), strict=True
         )
     )
-    if into < close:
-        return minimum_jerk(into / close)
-    return 1.0 - minimum_jerk(max(0.0, (into - close - shut) / opening) ** 0.75)
+    up = np.maximum(0.0, (into - close - shut) / opening) ** 0.75
+    return np.where(into < close, minimum_jerk(into / close), 1.0 - minimum_jerk(up))
 
 
 class Gaze:
@@ -106,7 +118,7 @@ class Gaze:
         self._fixations = Events(lambda k: log_normal(seed, FIXATION, k, table["fixation_s"]))
         self._glances = Events(lambda k: self._away_s(k) + log_normal(seed, ON, k, law["on_s"]))
 
-    def at(self, t: float) -> tuple[Look, tuple[float, float]]:
+    def at(self, t: Real) -> tuple[Look, tuple[Any, Any]]:
         """The aim, and the head's part of it: yaw and pitch in radians."""
         table = self._table
         k, since = self._fixations.at(t)
@@ -114,81 +126,84 @@ class Gaze:
         n, into = self._glances.at(t)
         away, far = self._glance(n), self._away_s(n)
         turn_s = table["aversion"]["head"]["move_s"]
-        size = hypot(*away)
+        size = np.hypot(*away)
         out = self._step(size, into) - self._step(size, into - far)
         slow = minimum_jerk(into / turn_s) - minimum_jerk((into - far) / turn_s)
         near, distant = 1 / table["viewer"]["distance_m"], 1 / table["far_m"]
         look = Look(
-            radians(yaw + out * away[0]),
-            radians(pitch + out * away[1]) + table["viewer"]["pitch_rad"],
+            radians(1) * (yaw + out * away[0]),
+            radians(1) * (pitch + out * away[1]) + table["viewer"]["pitch_rad"],
             near + (distant - near) * slow,
         )
-        share = slow * table["aversion"]["head"]["share"]
-        return look, (share * radians(away[0]), share * radians(away[1]))
+        share = radians(table["aversion"]["head"]["share"]) * slow
+        return look, (share * away[0], share * away[1])
 
-    def _away_s(self, n: int) -> float:
+    def _away_s(self, n: Whole) -> Any:
         """How long glance n lasts, s."""
         return log_normal(self._seed, AWAY, n, self._law["away_s"])
 
-    def _point(self, k: int) -> tuple[float, float]:
+    def _point(self, k: Whole) -> tuple[Any, Any]:
         """Fixation k: degrees left and down of the middle of the viewer's face."""
-        k = max(k, 0)
-        point = _choose(self._table["points"], uniform(self._seed, POINT, k))
+        k = k + (k < 0)  # what was before the first is the first
+        yaw, pitch = _choose(self._table["points"], ("yaw_deg", "pitch_deg"), uniform(self._seed, POINT, k))
         micro = self._table["micro_deg"]
         return (
-            point["yaw_deg"] + micro * normal(self._seed, MICRO_YAW, k),
-            point["pitch_deg"] + micro * normal(self._seed, MICRO_PITCH, k),
+            yaw + micro * normal(self._seed, MICRO_YAW, k),
+            pitch + micro * normal(self._seed, MICRO_PITCH, k),
         )
 
-    def _glance(self, n: int) -> tuple[float, float]:
+    def _glance(self, n: Whole) -> tuple[Any, Any]:
         """How far glance n goes: degrees left and down; glance 0 was over before time began."""
-        if n == 0:
-            return 0.0, 0.0
         table, law = self._table["aversion"], self._table["aversion"]["size_deg"]
-        size = min(law["least"] - law["mean"] * log(1 - uniform(self._seed, SIZE, n)), law["most"])
-        way = _choose(table["directions"], uniform(self._seed, DIRECTION, n))
-        return size * way["yaw"], size * way["pitch"]
+        size = np.minimum(law["least"] - law["mean"] * np.log(1 - uniform(self._seed, SIZE, n)), law["most"])
+        size = np.where(n == 0, 0.0, size)
+        yaw, pitch = _choose(table["directions"], ("yaw", "pitch"), uniform(self._seed, DIRECTION, n))
+        return size * yaw, size * pitch
 
-    def _saccade(
-        self, start: tuple[float, float], end: tuple[float, float], since: float
-    ) -> tuple[float, float]:
-        x = self._step(hypot(end[0] - start[0], end[1] - start[1]), since)
+    def _saccade(self, start: tuple[Any, Any], end: tuple[Any, Any], since: Real) -> tuple[Any, Any]:
+        x = self._step(np.hypot(end[0] - start[0], end[1] - start[1]), since)
         return start[0] + x * (end[0] - start[0]), start[1] + x * (end[1] - start[1])
 
-    def _step(self, size_deg: float, since: float) -> float:
+    def _step(self, size_deg: Any, since: Any) -> Any:
         """How much of a saccade is done (0 to 1) by the main sequence."""
         law = self._table["saccade_s"]
         return minimum_jerk(since / (law["base"] + law["per_deg"] * size_deg))
 
 
-def _choose(options: Sequence[Mapping[str, float]], share: float) -> Mapping[str, float]:
-    for option in options[:-1]:
-        share -= option["share"]
-        if share < 0:
-            return option
-    return options[-1]
+def _choose(options: Sequence[dict[str, float]], keys: tuple[str, ...], share: Any) -> NDArray[np.float64]:
+    """Those numbers of the option that `share` (0 to 1) falls to, shape (keys, ...)."""
+    ends = np.cumsum([option["share"] for option in options[:-1]])
+    table = np.array([[option[key] for option in options] for key in keys])
+    return table[:, np.searchsorted(ends, share, side="right")]
 
 
-def sway(seed: int, t: float) -> tuple[float, float, float]:
+def sway(seed: int, t: Real) -> tuple[Any, Any, Any]:
     """Pitch, yaw and roll of the head, radians: drift with a 1/f-like spectrum, and breath."""
     table = life()["head"]
     start = minimum_jerk(t / table["ease_s"])
-    drift = [
-        start * table[axis]["rms_rad"] * _drift(seed, HEAD + 10 * i, t)
-        for i, axis in enumerate(("pitch", "yaw", "roll"))
-    ]
+    pitch, yaw, roll = start * _drift(seed, t)
     breath = table["breath"]
     phase = breath["hz"] * t + breath["wander"] * noise(seed, HEAD + 9, breath["hz"] * t)
-    return drift[0] + start * breath["pitch_rad"] * sin(2 * pi * phase), drift[1], drift[2]
+    return pitch + start * breath["pitch_rad"] * np.sin(2 * pi * phase), yaw, roll
 
 
-def _drift(seed: int, channel: int, t: float) -> float:
-    """Octaves of noise, each faster and smaller than the one before; rms about 1."""
+def _drift(seed: int, t: Real) -> NDArray[np.float64]:
+    """Octaves of noise, each faster and smaller than the one before, radians, shape (3, ...)."""
+    channels, rates, sizes = _octaves()
+    tracks = sizes * noise(seed, channels, np.asarray(t)[..., None, None] * rates)
+    total = tracks[..., 0]
+    for octave in range(1, len(rates)):
+        total = total + tracks[..., octave]
+    return np.moveaxis(total, -1, 0)
+
+
+@cache
+def _octaves() -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Of each axis (3) and octave: the channel (3, octaves), the rate in Hz (octaves,), and the size in
+    radians (3, octaves), so that the rms of an axis is its own."""
     table = life()["head"]
-    total = power = 0.0
-    rate, size = table["slowest_hz"], 1.0
-    for octave in range(table["octaves"]):
-        total += size * noise(seed, channel + octave, rate * t)
-        power += size * size
-        rate, size = 2 * rate, table["falloff"] * size
-    return float(total / (0.5 * power**0.5))
+    octave = np.arange(table["octaves"])
+    falloff = table["falloff"] ** octave.astype(float)
+    rms = np.array([table[axis]["rms_rad"] for axis in ("pitch", "yaw", "roll")])
+    sizes = rms[:, None] * falloff / (0.5 * (falloff**2).sum() ** 0.5)
+    return HEAD + 10 * np.arange(3)[:, None] + octave, table["slowest_hz"] * 2.0**octave, sizes

@@ -4,6 +4,8 @@ Speech owns jaw, lips and tongue. An expression lies under it: whole in pauses, 
 speaks (data/mixing.tsv), and never between lips that must meet (`closure`). Head turns add up; the eyes hold
 their aim while the head turns, the lids follow the eyes, a blink shuts lids wherever they stand. Limits come
 last.
+
+One instant or many: then every face below has shape (n, 68) and every number shape (n,).
 """
 
 from __future__ import annotations
@@ -19,14 +21,15 @@ from fapstream.errors import DataError
 from fapstream.fap import ANGLE_UNIT_RAD as AU
 from fapstream.fap import limits
 from fapstream.motion import closure
+from fapstream.motion.chance import Real
 from fapstream.motion.idle import Idle, Look, life
 from fapstream.records import N_FAPS
 
 Values = NDArray[np.float64]
 
 PITCH, YAW, ROLL = 47, 48, 49
-LEFT_YAW, RIGHT_YAW, LEFT_PITCH, RIGHT_PITCH = 22, 23, 24, 25
-UPPER_LIDS, LOWER_LIDS = [18, 19], [20, 21]
+LEFT_YAW, RIGHT_YAW, PITCHES = 22, 23, slice(24, 26)
+UPPER_LIDS, LOWER_LIDS = slice(18, 20), slice(20, 22)
 """Columns of FAPs."""
 
 KNEE = 0.9
@@ -38,9 +41,9 @@ class Mouth:
     """What speech wants: FAPs (68,), and how much (0 to 1) it speaks, lips meet, lip meets teeth."""
 
     values: Values
-    speaks: float = 0.0
-    seal: float = 0.0
-    bite: float = 0.0
+    speaks: Real = 0.0
+    seal: Real = 0.0
+    bite: Real = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,21 +54,22 @@ class Streams:
     expression: Values
     gesture: Values
     idle: Idle
-    shut: float = 0.0
+    shut: Real = 0.0
     """How far a blink that goes with what is said shuts the lids."""
 
 
 def mix(streams: Streams) -> Values:
     """The face, FAPs (68,) in FAP units, within the anatomical limits."""
     mouth = streams.mouth
-    values = mouth.values + streams.expression * (1.0 - mouth.speaks * (1.0 - shares_while_speaking()))
+    silenced = np.expand_dims(mouth.speaks, -1) * (1.0 - shares_while_speaking())
+    values = mouth.values + streams.expression * (1.0 - silenced)
     closure.part(values)
     closure.seal(values, mouth.seal)
     closure.bite(values, mouth.bite)
     values += streams.gesture
-    values[[PITCH, YAW, ROLL]] += np.array(streams.idle.head) / AU
+    values[..., PITCH : ROLL + 1] += np.stack(streams.idle.head, axis=-1) / AU
     look(values, streams.idle.look)
-    shut(values, max(streams.shut, streams.idle.shut))
+    shut(values, np.maximum(streams.shut, streams.idle.shut))
     return limited(values)
 
 
@@ -76,22 +80,23 @@ def idle_face(idle: Idle) -> Values:
 
 
 def look(values: Values, aim: Look) -> None:
-    """Turn the eyes to their aim from wherever the head is, and let the lids follow. In place, (68,)."""
+    """Turn the eyes to their aim from wherever the head is, and let the lids follow. In place."""
     table = life()["gaze"]
-    yaw = aim.yaw - values[YAW] * AU
-    pitch = aim.pitch - values[PITCH] * AU
+    yaw = aim.yaw - values[..., YAW] * AU
+    pitch = aim.pitch - values[..., PITCH] * AU
     inward = table["half_eyes_m"] * aim.nearness
-    values[LEFT_YAW] += (yaw - inward) / AU
-    values[RIGHT_YAW] += (yaw + inward) / AU
-    values[[LEFT_PITCH, RIGHT_PITCH]] += pitch / AU
-    values[UPPER_LIDS] += table["lids"]["upper"] * pitch
-    values[LOWER_LIDS] += table["lids"]["lower"] * pitch
+    values[..., LEFT_YAW] += (yaw - inward) / AU
+    values[..., RIGHT_YAW] += (yaw + inward) / AU
+    lids = table["lids"]
+    for columns, follow in ((PITCHES, 1 / AU), (UPPER_LIDS, lids["upper"]), (LOWER_LIDS, lids["lower"])):
+        values[..., columns] += np.expand_dims(follow * pitch, -1)
 
 
-def shut(values: Values, share: float) -> None:
-    """Bring the lids, from wherever they stand, towards where they meet. In place, (68,)."""
+def shut(values: Values, share: Real) -> None:
+    """Bring the lids, from wherever they stand, towards where they meet. In place."""
     for fap, closed in life()["blink"]["shut"].items():
-        values[int(fap) - 1] += share * (closed - values[int(fap) - 1])
+        lid = int(fap) - 1
+        values[..., lid] += share * (closed - values[..., lid])
 
 
 def limited(values: Values) -> Values:
@@ -99,8 +104,10 @@ def limited(values: Values) -> Values:
     low, high = limits().T
     limit = np.where(values < 0, -low, high)
     size = np.abs(values)
-    room = np.maximum((1.0 - KNEE) * limit, 1e-9)
     beyond = np.maximum(0.0, size - KNEE * limit)
+    if not beyond.any():
+        return values
+    room = np.maximum((1.0 - KNEE) * limit, 1e-9)
     soft = np.minimum(size, KNEE * limit) + room * np.tanh(beyond / room)
     signed: Values = np.copysign(np.minimum(soft, limit), values)
     return signed

@@ -5,16 +5,28 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fapstream.motion.chance import minimum_jerk
 from fapstream.motion.feeling import Feeling
 from fapstream.motion.gestures import Gestures
 from fapstream.motion.hermite import Values, hermite, limited_slope
-from fapstream.motion.idle import IdleLife
+from fapstream.motion.idle import Idle, IdleLife, Look
 from fapstream.motion.mixer import Mouth, Streams, mix
 from fapstream.motion.visemes import N_CHANNELS, Keyframe, keyframes, mouth
-from fapstream.records import FapFrame, TimedPhone
+from fapstream.records import N_FAPS, FapFrame, TimedPhone
+
+BLOCK = 64
+"""So many frames are made at once, where the phones are known: numpy takes hardly longer than for one."""
+
+SEAM_S = 0.1
+"""After a cut the face takes so long from what it showed to the new track."""
+
+SHOWN_S = 5.0
+"""A cut may go back so far and still find what was shown."""
 
 
 class FaceTrack:
@@ -28,11 +40,22 @@ class FaceTrack:
         self._lang = lang
         self._sample_rate = sample_rate
         self._fps = fps
-        self._speech = SpeechTrack(sample_rate, fps)
-        self._feeling = Feeling(sample_rate)
-        self._gestures = Gestures(seed, sample_rate)
-        self._idle = IdleLife(seed)
+        self._seed = seed
+        self._idle = _Ahead(IdleLife(seed), fps)
         self._frame = 0
+        self._shown: deque[FapFrame] = deque(maxlen=round(SHOWN_S * fps))
+        self._seam_face: Values = np.zeros(N_FAPS)
+        self._begin(0)
+
+    def _begin(self, sample: int) -> None:
+        """All streams but idle life begin at a sample; the face is at rest."""
+        self._seam = sample
+        self._end = sample
+        """Where the last phone ends."""
+        self._speech = SpeechTrack(self._sample_rate, self._fps, sample)
+        self._feeling = Feeling(self._sample_rate)
+        self._gestures = Gestures(self._seed, self._sample_rate)
+        self._made: deque[FapFrame] = deque()
 
     def add(self, phones: Iterable[TimedPhone]) -> None:
         """The next phones, in order of time."""
@@ -40,6 +63,23 @@ class FaceTrack:
             self._speech.add(keyframes(timed, self._lang, self._sample_rate), timed.end)
             self._feeling.add(timed)
             self._gestures.add(timed)
+            self._end = timed.end
+
+    def cut(self, sample: int) -> None:
+        """What was to come from `sample` on is void, given out or not; the phones that come now begin there.
+
+        Frames before it that were not given yet still come. The face goes on from what it showed.
+        """
+        before = self.frames(sample)
+        while self._shown and self._shown[-1].sample >= sample:
+            self._shown.pop()
+        if self._shown:
+            self._seam_face = self._shown[-1].values.astype(np.float64)
+        for _ in before:
+            self._shown.pop()
+        self._begin(sample)
+        self._frame = min(self._frame, -(-sample * self._fps // self._sample_rate)) - len(before)
+        self._made.extend(before)
 
     @property
     def next_sample(self) -> int:
@@ -53,29 +93,64 @@ class FaceTrack:
     def frames(self, until: int) -> list[FapFrame]:
         """The frames that hold at samples below `until` and are not given yet, as far as they can be."""
         until = min(until, self.ready_until())
-        out = []
+        out: list[FapFrame] = []
         while self.next_sample < until:
-            out.append(self._frame_at(self.next_sample))
+            if not self._made:
+                self._make(until)
+            out.append(self._made.popleft())
             self._frame += 1
         if out:
             self._speech.rest_until(out[-1].sample)
+            self._shown.extend(out)
         return out
 
-    def _frame_at(self, sample: int) -> FapFrame:
-        t = sample / self._sample_rate
+    def _make(self, until: int) -> None:
+        """The next frames before `until`, and those after it that no phone to come can change."""
+        limit = max(until, min(self._speech.settled_until(), self._end))
+        ordinals = np.arange(self._frame, self._frame + BLOCK - self._frame % BLOCK)
+        samples = ordinals * self._sample_rate // self._fps
+        samples = samples[: np.searchsorted(samples, limit)]
+        t = samples / self._sample_rate
         gesture, shut = self._gestures.at(t)
-        streams = Streams(self._speech.at(sample), self._feeling.at(t), gesture, self._idle.at(t), shut)
-        return FapFrame(sample, np.rint(mix(streams)).astype(np.int32))
+        idle = self._idle.at(self._frame, len(t))
+        face = mix(Streams(self._speech.at(samples), self._feeling.at(t), gesture, idle, shut))
+        if self._seam and t[0] < self._seam / self._sample_rate + SEAM_S:
+            new = minimum_jerk((t - self._seam / self._sample_rate) / SEAM_S)[:, None]
+            face = self._seam_face + new * (face - self._seam_face)
+        rows = np.rint(face).astype(np.int32)
+        self._made.extend(FapFrame(int(sample), row) for sample, row in zip(samples, rows, strict=True))
+
+
+class _Ahead:
+    """Idle life made a block of frames at a time, for nothing that is said changes it."""
+
+    def __init__(self, life: IdleLife, fps: int) -> None:
+        self._life, self._fps = life, fps
+        self._block = -1
+        self._rows: Values = np.zeros((7, BLOCK))
+
+    def at(self, first: int, n: int) -> Idle:
+        """Of frames `first` to `first + n`, which lie in one block."""
+        block, at = divmod(first, BLOCK)
+        if block != self._block:
+            made = self._life.at((block * BLOCK + np.arange(BLOCK)) / self._fps)
+            look = made.look
+            self._rows = np.array([made.shut, look.yaw, look.pitch, look.nearness, *made.head])
+            self._block = block
+        shut, yaw, pitch, nearness, *head = self._rows[:, at : at + n]
+        return Idle(shut, Look(yaw, pitch, nearness), (head[0], head[1], head[2]))
 
 
 class SpeechTrack:
     """The speech stream: interpolates the mouth's keyframes as they come."""
 
-    def __init__(self, sample_rate: int, fps: int) -> None:
+    def __init__(self, sample_rate: int, fps: int, start: int = 0) -> None:
+        """The mouth is at rest before `start`."""
         self._sample_rate, self._fps = sample_rate, fps
-        self._keys: deque[Keyframe] = deque([Keyframe(-1, np.zeros(N_CHANNELS), rest=True)])
+        self._keys: deque[Keyframe] = deque([Keyframe(start - 1, np.zeros(N_CHANNELS), rest=True)])
         self._slope = np.zeros(N_CHANNELS)
-        self._silent_until = 0
+        """At the first of the keyframes."""
+        self._silent_until = start
 
     def add(self, keys: Iterable[Keyframe], end: int) -> None:
         """The keyframes of the next phone, which ends at sample `end`."""
@@ -95,12 +170,41 @@ class SpeechTrack:
             return self._silent_until
         return self._keys[-2].sample if len(self._keys) > 1 else 0
 
-    def at(self, sample: int) -> Mouth:
-        """The mouth at a sample that is ready. Samples may not go back."""
-        while len(self._keys) > 1 and self._keys[1].sample <= sample:
-            self._slope = self._slope_at(1)
+    def settled_until(self) -> int:
+        """The mouth before this sample will not change, whatever comes."""
+        return self._keys[-1].sample if self._keys[-1].rest else self.ready_until()
+
+    def at(self, samples: int | NDArray[np.int64]) -> Mouth:
+        """The mouth at a sample that is ready, or at many, ascending. They may not go back."""
+        wanted = np.atleast_1d(samples)
+        keys = self._until(int(wanted[-1]))
+        at = np.array([key.sample for key in keys])
+        values = np.array([key.values for key in keys])
+        slopes = self._slopes(keys, at, values)
+        here = np.maximum(np.searchsorted(at, wanted, side="right") - 1, 0)
+        there = np.minimum(here + 1, len(keys) - 1)
+        width = np.maximum(at[there] - at[here], 1)[:, None]
+        x = np.where(here < there, np.maximum(wanted - at[here], 0), 0)[:, None] / width
+        found = hermite(x, values[here], values[there], width * slopes[here], width * slopes[there])
+        self._slope = slopes[here[-1]]
+        for _ in range(here[-1]):
             self._keys.popleft()
-        return mouth(self._interpolate(sample))
+        return mouth(found if np.ndim(samples) else found[0])
+
+    def _until(self, sample: int) -> list[Keyframe]:
+        """The keyframes up to the second after `sample`, as far as there are."""
+        after = next((i for i, key in enumerate(self._keys) if key.sample > sample), len(self._keys))
+        return list(islice(self._keys, after + 2))
+
+    def _slopes(self, keys: list[Keyframe], at: NDArray[np.int64], values: Values) -> Values:
+        """At each keyframe; at the last, whose successor is not looked at, and at rest: none."""
+        slopes = np.zeros_like(values)
+        slopes[0] = self._slope
+        if len(keys) > 2:
+            width, rise = np.diff(at)[:, None], np.diff(values, axis=0)
+            slopes[1:-1] = limited_slope(width[:-1], width[1:], rise[:-1], rise[1:])
+        slopes[[key.rest for key in keys]] = 0.0
+        return slopes
 
     def rest_until(self, sample: int) -> None:
         """The mouth was shown at rest up to here: it leaves rest no earlier."""
@@ -130,24 +234,3 @@ class SpeechTrack:
         while frame * self._sample_rate // self._fps < sample:
             frame += 1
         return frame * self._sample_rate // self._fps
-
-    def _interpolate(self, sample: int) -> Values:
-        here = self._keys[0]
-        if len(self._keys) == 1:
-            return here.values
-        there = self._keys[1]
-        width = there.sample - here.sample
-        x = (sample - here.sample) / width
-        return hermite(x, here.values, there.values, width * self._slope, width * self._slope_at(1))
-
-    def _slope_at(self, i: int) -> Values:
-        key = self._keys[i]
-        if key.rest or i + 1 == len(self._keys):
-            return np.zeros(N_CHANNELS)
-        before, after = self._keys[i - 1], self._keys[i + 1]
-        return limited_slope(
-            key.sample - before.sample,
-            after.sample - key.sample,
-            key.values - before.values,
-            after.values - key.values,
-        )

@@ -56,13 +56,12 @@ class Keyframe:
     @property
     def contact(self) -> bool:
         """Lips meet, or lip meets teeth: it has to be seen."""
-        return bool(self.values[[SEAL, BITE]].max() == 1.0)
+        return bool(self.values[SEAL] == 1.0 or self.values[BITE] == 1.0)
 
 
 def mouth(channels: NDArray[np.float64]) -> Mouth:
-    """The speech stream at one instant, from its channels, shape (N_CHANNELS,)."""
-    speaks, seal, bite = channels[N_FAPS:].tolist()
-    return Mouth(channels[:N_FAPS].copy(), speaks, seal, bite)
+    """The speech stream, from its channels, shape (N_CHANNELS,), or (n, N_CHANNELS) at n instants."""
+    return Mouth(channels[..., :N_FAPS], channels[..., SPEAKS], channels[..., SEAL], channels[..., BITE])
 
 
 @cache

@@ -25,8 +25,20 @@ def track(seed: int, mode: Mode = "talk", seconds: int = 200, rate: int = FINE) 
 @cache
 def shut(seed: int, mode: Mode) -> NDArray[np.float64]:
     """Ten minutes."""
-    lids = Blinks(seed, mode)
-    return np.array([lids.shut(k / FINE) for k in range(600 * FINE)])
+    return np.asarray(Blinks(seed, mode).shut(np.arange(600 * FINE) / FINE))
+
+
+@pytest.mark.parametrize("mode", ["talk", "listen"])
+def test_many_instants_are_the_same_as_each_alone(mode: Mode) -> None:
+    alone, together = IdleLife(7, mode), IdleLife(7, mode)
+    for first, n in ((0, 1), (1, 400), (401, 2), (403, 997)):
+        times = (first + np.arange(n)) / 25
+        many = together.at(times)
+        rows = np.array([many.shut, many.look.yaw, many.look.pitch, many.look.nearness, *many.head]).T
+        for t, row in zip(times.tolist(), rows, strict=True):
+            one = alone.at(t)
+            look = one.look
+            assert row == pytest.approx([one.shut, look.yaw, look.pitch, look.nearness, *one.head], abs=1e-12)
 
 
 def blinks(seed: int, mode: Mode) -> list[NDArray[np.float64]]:
@@ -82,9 +94,8 @@ def test_the_course_of_a_blink_is_continuous_and_ends() -> None:
 
 def world(seed: int, mode: Mode) -> NDArray[np.float64]:
     """Where the eyes aim for ten minutes, degrees, shape (n, 2)."""
-    gaze = Gaze(seed, mode)
-    aims = [gaze.at(k / 20)[0] for k in range(600 * 20)]
-    return np.array([(degrees(aim.yaw), degrees(aim.pitch)) for aim in aims])
+    aim = Gaze(seed, mode).at(np.arange(600 * 20) / 20)[0]
+    return np.degrees([aim.yaw, aim.pitch]).T
 
 
 @pytest.mark.parametrize(("mode", "least", "most"), [("talk", 0.68, 0.86), ("listen", 0.88, 0.98)])
@@ -100,7 +111,8 @@ def test_the_eyes_are_on_the_viewer_most_of_the_time(mode: Mode, least: float, m
 def saccades(seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Size in degrees and duration in s of the saccades that stand alone, looked at 1000 times a second."""
     gaze, rate = Gaze(seed, "talk"), 1000
-    aim = np.array([(gaze.at(k / rate)[0].yaw, gaze.at(k / rate)[0].pitch) for k in range(60 * rate)])
+    look = gaze.at(np.arange(60 * rate) / rate)[0]
+    aim = np.array([look.yaw, look.pitch]).T
     speed = np.hypot(*np.diff(np.degrees(aim), axis=0).T) * rate
     edges = np.flatnonzero(np.diff((speed > 1e-6).astype(int)))
     runs = [(a, b) for a, b in pairwise(edges) if speed[a + 1] > 1e-6]
@@ -121,7 +133,7 @@ def test_saccades_keep_the_main_sequence_and_are_mostly_small() -> None:
 
 def test_fixations_last_a_fifth_of_a_second_to_two() -> None:
     gaze, rate = Gaze(2, "listen"), 500
-    aim = np.array([gaze.at(k / rate)[0].yaw for k in range(120 * rate)])
+    aim = np.asarray(gaze.at(np.arange(120 * rate) / rate)[0].yaw)
     still = np.abs(np.diff(aim)) < 1e-12
     edges = np.flatnonzero(np.diff(still.astype(int)))
     spans = np.diff(edges) / rate
@@ -154,7 +166,7 @@ def _power(x: NDArray[np.float64], length: int) -> NDArray[np.float64]:
 def test_the_head_drifts_like_one_over_f_and_breathes() -> None:
     """Slope of the spectrum between posture's slow drift and tremor; a bump where people breathe."""
     rate, seconds = 10, 1800
-    pitch, yaw, _ = np.array([sway(4, 2 + k / rate) for k in range(rate * seconds)]).T
+    pitch, yaw, _ = sway(4, 2 + np.arange(rate * seconds) / rate)
     hz = np.fft.rfftfreq(rate * 100, 1 / rate)
     power = [
         np.mean([abs(np.fft.rfft(part - part.mean())) ** 2 for part in np.split(x, 18)], axis=0)

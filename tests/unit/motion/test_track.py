@@ -231,3 +231,73 @@ def test_seed_decides_what_the_face_does_unasked() -> None:
         made.append(stacked(track.frames(48000)))
     assert np.array_equal(made[0], made[1])
     assert not np.array_equal(made[0], made[2])
+
+
+def sentence(n: int) -> list[Phone]:
+    return [Phone(name, 90.0, stress=k % 2) for k, name in enumerate("mapitoka" * n)]
+
+
+@pytest.mark.parametrize("fps", [25, 50])
+@pytest.mark.parametrize("at", [8000, 12345, 15999, 16000, 20001])
+def test_a_cut_goes_on_from_what_was_shown(at: int, fps: int) -> None:
+    """Frames given beyond it are given again, on the turn's grid; the face moves no faster than speech."""
+    track = FaceTrack("el", 16000, fps, 3)
+    track.add(timed([*sentence(3), Phone(SILENCE, 300.0)], 16000))
+    old = track.frames(32000)
+    track.cut(at)
+    assert track.frames(10**9) == []
+    track.add(timed([*sentence(2), Phone(SILENCE, 300.0)], 16000, at))
+    new = track.frames(at + 12000)
+    assert [f.sample for f in new] == [s for s in range(0, at + 12000, 16000 // fps) if s >= at]
+    kept = [f for f in old if f.sample < at]
+    usual = np.abs(np.diff(stacked(old), axis=0)).max()
+    seam = np.abs(np.diff(stacked(kept[-1:] + new[: fps // 5]), axis=0)).max()
+    assert seam <= usual
+    alone = FaceTrack("el", 16000, fps, 3)
+    alone.add(timed([Phone(SILENCE, at / 16), *sentence(2), Phone(SILENCE, 300.0)], 16000))
+    expected = {f.sample: f.values for f in alone.frames(at + 12000)}
+    for frame in new:
+        if frame.sample >= at + 3200:
+            assert np.abs((frame.values - expected[frame.sample])[MOUTH]).max() <= 1
+
+
+def test_a_cut_beyond_what_was_given_gives_the_rest_first() -> None:
+    """Also where the old track could not be told so far: there the face waits."""
+    phones = timed(sentence(3), 16000)
+    whole, track = FaceTrack("el", 16000, 25, 3), FaceTrack("el", 16000, 25, 3)
+    for made in (whole, track):
+        made.add(phones)
+    first = track.frames(9600)
+    ready = track.ready_until()
+    track.cut(phones[-1].end)
+    track.add(timed([*sentence(1), Phone(SILENCE, 200.0)], 16000, phones[-1].end))
+    rest = track.frames(10**9)
+    assert [f.sample for f in first + rest] == list(range(0, rest[-1].sample + 1, 640))
+    expected = whole.frames(ready)
+    assert np.array_equal(stacked(first + rest)[: len(expected)], stacked(expected))
+
+
+def test_cut_again_and_again() -> None:
+    track, at, shown = FaceTrack("en", 16000, 25, 1), 0, dict[int, NDArray[np.int32]]()
+    for k in range(30):
+        track.add(timed([*sentence(1 + k % 3), Phone(SILENCE, 150.0)], 16000, at))
+        frames = track.frames(at + 10000)
+        shown |= {f.sample: f.values for f in frames}
+        at += 1234 + 517 * (k % 5)
+        track.cut(at)
+        shown = {s: v for s, v in shown.items() if s < at}
+    assert sorted(shown) == list(range(0, max(shown) + 1, 640))
+
+
+def test_nothing_grows_with_the_turn() -> None:
+    track, at = FaceTrack("en", 16000, 25, 1), 0
+    sizes = []
+    for _ in range(60):
+        phones = timed([*sentence(4), Phone(SILENCE, 300.0)], 16000, at)
+        track.add(phones)
+        at = phones[-1].end
+        track.frames(at)
+        kept = (track._shown, track._made, track._speech._keys, track._gestures._gestures,
+                track._gestures._blinks, track._feeling._episodes)  # fmt: skip
+        sizes.append(sum(map(len, kept)))
+    assert max(sizes[30:]) <= max(sizes[5:30]) + 5
