@@ -69,7 +69,7 @@ def noise(seed: int, channel: Whole, at: Real) -> Any:
 def minimum_jerk(x: Real) -> Any:
     """From 0 at 0 to 1 at 1, held beyond: how limbs, eyes and faces move (Flash and Hogan 1985)."""
     alone = isinstance(x, (int, float))  # then Python's own are five times as fast
-    x = min(1.0, max(0.0, x)) if alone else np.minimum(1.0, np.maximum(0.0, x))  # type: ignore[type-var]
+    x = min(1.0, max(0.0, x)) if alone else np.minimum(1.0, np.maximum(0.0, x))
     return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
 
 

@@ -19,8 +19,12 @@ from fapstream.motion.mixer import Mouth, Streams, mix
 from fapstream.motion.visemes import N_CHANNELS, Keyframe, keyframes, mouth
 from fapstream.records import N_FAPS, FapFrame, TimedPhone
 
-BLOCK = 64
-"""So many frames are made at once, where the phones are known: numpy takes hardly longer than for one."""
+BLOCK = 32
+"""So many frames are made at once, where the phones are known: numpy takes hardly longer than for one, and
+no more than a millisecond."""
+
+IDLE_BLOCK = 4 * BLOCK
+"""The same of idle life, which waits for nobody."""
 
 SEAM_S = 0.1
 """After a cut the face takes so long from what it showed to the new track."""
@@ -127,13 +131,13 @@ class _Ahead:
     def __init__(self, life: IdleLife, fps: int) -> None:
         self._life, self._fps = life, fps
         self._block = -1
-        self._rows: Values = np.zeros((7, BLOCK))
+        self._rows: Values = np.zeros((7, IDLE_BLOCK))
 
     def at(self, first: int, n: int) -> Idle:
         """Of frames `first` to `first + n`, which lie in one block."""
-        block, at = divmod(first, BLOCK)
+        block, at = divmod(first, IDLE_BLOCK)
         if block != self._block:
-            made = self._life.at((block * BLOCK + np.arange(BLOCK)) / self._fps)
+            made = self._life.at((block * IDLE_BLOCK + np.arange(IDLE_BLOCK)) / self._fps)
             look = made.look
             self._rows = np.array([made.shut, look.yaw, look.pitch, look.nearness, *made.head])
             self._block = block
