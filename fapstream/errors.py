@@ -143,3 +143,7 @@ class VoiceUnavailable(SynthesisError):
     """The voice is known, but its program or database is not on this machine."""
 
     code = "voice_unavailable"
+
+
+class VoiceOverloaded(SynthesisError):
+    """The machine has no room for another program of the voice now: memory, descriptors, processes."""

