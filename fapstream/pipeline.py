@@ -5,18 +5,23 @@ Pure: who runs the voice and waits for it is `talk`.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fapstream.motion import FaceTrack
 from fapstream.records import Mark, Packet, Speech, TimedPhone, TurnFormat, Utterance, Word
-from fapstream.stream import Loudness, Packetizer
+from fapstream.stream import KeptText, Loudness, Packetizer, SaidWord, SaidWords
 from fapstream.tts import FrontEnd
 
 DRY_PACKETS = 2
 """With less than so many packets' worth of planned sound left, a turn counts as run dry."""
+
+UNSAID = 4096
+"""Text in which nothing that can be said is kept no longer than so many characters."""
+
+ASKING = {"el": ";\u037e"}
+"""What ends sentences of a language besides `.!?…`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +40,16 @@ class Pipeline:
 
     def __init__(self, turn: TurnFormat, frontend: FrontEnd, seed: int = 0) -> None:
         self.turn = turn
-        self._frontend = frontend
         self._track = FaceTrack(turn.lang, turn.sample_rate, turn.fps, seed)
         self._packetizer = Packetizer(turn)
-        self._loudness = Loudness(turn.sample_rate)
+        self._said = SaidWords(ASKING.get(turn.lang, ""))
+        self._begin(frontend, 0, 0)
+
+    def _begin(self, frontend: FrontEnd, sample: int, char: int) -> None:
+        """Text that begins at a character is spoken from a sample on, as if nothing had been before."""
+        self._frontend = frontend
+        self._sample, self._char = sample, char
+        self._loudness = Loudness(self.turn.sample_rate)
         self._text = _Text()
         self._captions: deque[_Caption] = deque()
         self._caption_text = ""
@@ -46,16 +57,34 @@ class Pipeline:
         self._lengths: deque[tuple[Word, list[float]]] = deque()
         """Of every word to come: how long its phones wish to be, ms."""
         self._word: Word | None = None
-        self._word_ends: list[int] = []
-        self._word_samples: list[int] = []
-        self._planned_end = 0
+        self._planned_end = sample
+
+    def cut(self, sample: int, char: int) -> int:
+        """Ends what is planned and goes on with other text, whose first character is `char`.
+
+        Returns t, from which on all sound, marks and frames are void, also those in packets already: the end
+        of the word that is heard at `sample`, or `sample` itself in a pause; never beyond the sound that is
+        there. The next packets end at t, if they do not reach it yet, and then one begins at t exactly.
+        Whoever calls drops the voice that spoke, and lets another begin at its own sample 0.
+        """
+        word = self._said.at(sample)
+        end = word.end if word else 0
+        t = min(max(sample, end), self._packetizer.pcm_end)
+        self._track.cut(t)
+        self._packetizer.cut_back(t)
+        self._said.cut(t, char)
+        self._begin(self._frontend.fresh(), t, char)
+        return t
 
     # text side
 
     def feed(self, text: str) -> list[Utterance]:
         """Phrases that can be spoken now that `text` has come."""
         self._text.add(text)
-        return self._note(self._frontend.feed(text))
+        utterances = self._note(self._frontend.feed(text))
+        if not self.pending_words:
+            self._text.keep(UNSAID)
+        return utterances
 
     def hold(self) -> list[Utterance]:
         """The text has stalled: what fills the gap until it goes on."""
@@ -81,7 +110,9 @@ class Pipeline:
                 self._caption_text = (
                     f"{self._caption_text} {self._text.take(u.words[0].start, u.words[-1].end)}"
                 )
-                self._caption_start = self._caption_start or u.words[0]
+                if self._caption_start is None:
+                    self._caption_start = u.words[0]
+                    self._said.begin_phrase(self._char + u.words[0].start)
                 self._captions.append(
                     _Caption(u.words[0], self._caption_start, self._caption_text.strip(), u.words[-1].end)
                 )
@@ -94,12 +125,16 @@ class Pipeline:
 
     def add(self, speech: Speech) -> None:
         """Sound from the voice, and the true times of its phones."""
-        self._track.add(speech.phones)
-        marks = [mark for i in range(len(speech.phones)) for mark in self._marks(speech.phones, i)]
-        self._loudness.add(speech.phones)
-        self._packetizer.add(speech.start, self._loudness.apply(speech.start, speech.pcm), marks)
-        if speech.phones:
-            self._planned_end = speech.phones[-1].end
+        start, phones = self._sample + speech.start, speech.phones
+        if self._sample:
+            at = self._sample
+            phones = tuple([TimedPhone(t.phone, t.start + at, t.end + at, t.text) for t in phones])
+        self._track.add(phones)
+        marks = [mark for i in range(len(phones)) for mark in self._marks(phones, i)]
+        self._loudness.add(phones)
+        self._packetizer.add(start, self._loudness.apply(start, speech.pcm), marks)
+        if phones:
+            self._planned_end = phones[-1].end
 
     def packets(self, dry: bool = False, last: bool = False) -> Iterator[Packet]:
         """Packets that are complete. `dry`: no text waits. `last`: nothing will follow."""
@@ -123,8 +158,16 @@ class Pipeline:
 
     def heard_char(self, sample: int) -> int:
         """Code points of the text heard by `sample`: to the end of the last word begun."""
-        i = bisect_right(self._word_samples, sample)
-        return self._word_ends[i - 1] if i else 0
+        return self.heard_word(sample)[1]
+
+    def heard_word(self, sample: int) -> tuple[int, int]:
+        """The characters [start, end) of the last word begun by `sample`; (0, 0) before the first."""
+        word = self._said.at(sample)
+        return (word.char_start, word.char_end) if word else (0, 0)
+
+    def sentence(self, text: KeptText, sample: int, back: int) -> int:
+        """The character with which the sentence heard at `sample` begins, or one so many before it."""
+        return self._said.sentence(text, self.heard_word(sample)[0], back)
 
     def _marks(self, phones: tuple[TimedPhone, ...], i: int) -> Iterator[Mark]:
         """Marks that begin with phone i."""
@@ -133,14 +176,14 @@ class Pipeline:
         if word is not None and word is not self._word and word != self._word:
             if caption := self._caption_at(word):
                 yield self._caption(phones, i, caption)
-            end = self._word_end(phones, word)
-            self._word_samples.append(timed.start)
-            self._word_ends.append(word.end)
-            yield Mark("word", timed.start, end - timed.start, word.text, word.start, word.end)
+            end, at = self._word_end(phones, word), self._char
+            self._said.add(SaidWord(timed.start, end, at + word.start, at + word.end))
+            yield Mark("word", timed.start, end - timed.start, word.text, at + word.start, at + word.end)
         self._word = word if word is not None else self._word
         length = timed.end - timed.start
         for note in timed.phone.notes:
-            yield Mark(note.kind, timed.start, 0, note.text, note.start, note.end)
+            at = self._char
+            yield Mark(note.kind, timed.start, 0, note.text, at + note.start, at + note.end)
         yield Mark("phone", timed.start, length, timed.phone.name)
         if timed.phone.expression:
             yield Mark("expression", timed.start, length, timed.phone.expression)
@@ -162,8 +205,10 @@ class Pipeline:
 
     def _caption(self, phones: tuple[TimedPhone, ...], i: int, caption: _Caption) -> Mark:
         ends = [p.end for p in phones[i:] if p.text is not None and p.text.end <= caption.end]
-        start = phones[i].start
-        return Mark("caption", start, max(ends) - start, caption.text, caption.first.start, caption.end)
+        start, at = phones[i].start, self._char
+        return Mark(
+            "caption", start, max(ends) - start, caption.text, at + caption.first.start, at + caption.end
+        )
 
 
 def _lengths_ms(utterance: Utterance) -> list[tuple[Word, list[float]]]:
@@ -183,6 +228,11 @@ class _Text:
 
     def add(self, text: str) -> None:
         self._parts.append(text)
+
+    def keep(self, most: int) -> None:
+        """Forget the oldest pieces, so that no more than so many characters are left, or one piece."""
+        while len(self._parts) > 1 and sum(map(len, self._parts)) > most:
+            self._start += len(self._parts.pop(0))
 
     def take(self, start: int, end: int) -> str:
         """Characters [start, end) and the punctuation that closes them; what lies before is forgotten."""

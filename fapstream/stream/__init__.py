@@ -4,9 +4,21 @@ from __future__ import annotations
 
 from fapstream.stream.buffer import TurnBuffer
 from fapstream.stream.heard import Heard
+from fapstream.stream.history import KeptText, SaidWord, SaidWords
 from fapstream.stream.loudness import Loudness
 from fapstream.stream.pacer import Pacer
 from fapstream.stream.packetizer import PACKET_MS, Packetizer
 from fapstream.stream.playback import Playback
 
-__all__ = ["PACKET_MS", "Heard", "Loudness", "Pacer", "Packetizer", "Playback", "TurnBuffer"]
+__all__ = [
+    "PACKET_MS",
+    "Heard",
+    "KeptText",
+    "Loudness",
+    "Pacer",
+    "Packetizer",
+    "Playback",
+    "SaidWord",
+    "SaidWords",
+    "TurnBuffer",
+]

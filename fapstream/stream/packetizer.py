@@ -22,6 +22,8 @@ class Packetizer:
         """Sample at which the next packet begins."""
         self.pcm_end = 0
         """Sample after the last one collected."""
+        self._border = 0
+        """A packet begins here."""
         self._chunks: deque[Pcm] = deque()
         self._marks: deque[Mark] = deque()
 
@@ -37,6 +39,8 @@ class Packetizer:
     def next_end(self, last: bool = False) -> int | None:
         """Where the next packet would end; None if there is not enough sound. `last` allows a short one."""
         end = self.cut_end + self.packet_samples
+        if self.cut_end < self._border:
+            end = min(end, self._border)
         if end <= self.pcm_end:
             return end
         return self.pcm_end if last and self.pcm_end > self.cut_end else None
@@ -49,6 +53,17 @@ class Packetizer:
             marks.append(self._marks.popleft())
         return Packet(self._turn, start, self._take(end - start), tuple(frames), tuple(marks), hold)
 
+    def cut_back(self, sample: int) -> None:
+        """Everything from a sample on is void, in packets already or not; what comes now begins there, with a
+        packet of its own. Raises ValueError beyond what was collected."""
+        if sample > self.pcm_end:
+            raise ValueError(f"a cut at {sample}, beyond the last sample {self.pcm_end}")
+        kept = self._take(max(0, sample - self.cut_end))
+        self._chunks = deque([kept] if len(kept) else [])
+        self._marks = deque(mark for mark in self._marks if mark.sample < sample)
+        self.cut_end = min(self.cut_end, sample)
+        self.pcm_end = self._border = sample
+
     def _take(self, n: int) -> Pcm:
         parts = []
         while n:
@@ -57,4 +72,4 @@ class Packetizer:
             if len(chunk) > n:
                 self._chunks.appendleft(chunk[n:])
             n -= len(parts[-1])
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return parts[0] if len(parts) == 1 else np.concatenate(parts or [np.zeros(0, np.int16)])

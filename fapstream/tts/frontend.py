@@ -31,6 +31,7 @@ class FrontEnd:
 
     def __init__(self, lang: str, manner: Manner | None = None) -> None:
         """Raises UnknownLanguage, DataError."""
+        self._lang = lang
         self._manner = manner = manner or Manner()
         self._language = language(lang)
         plain = not (manner.prosody or manner.means)
@@ -54,6 +55,10 @@ class FrontEnd:
         self._said = False
         """Something has been said since the last blank line."""
         self._out: list[Utterance] = []
+
+    def fresh(self) -> FrontEnd:
+        """Another one for the same language and manner, that has read nothing."""
+        return FrontEnd(self._lang, self._manner)
 
     @property
     def pending_words(self) -> int:

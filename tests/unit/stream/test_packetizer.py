@@ -90,3 +90,31 @@ def test_the_packet_carries_what_it_is_given() -> None:
     assert packetizer.next_end() is None
     assert packetizer.next_end(last=True) == 700
     assert packetizer.cut_end == 640
+
+
+def test_after_a_cut_sound_and_packets_begin_there() -> None:
+    """Whether it lies in packets that were given, in sound that waits, or at its end."""
+    for taken, at in ((3, 700), (1, 640), (1, 1999), (0, 0), (3, 2000), (2, 1281)):
+        made = Packetizer(turn())
+        made.add(
+            0, np.arange(2000, dtype=np.int16), [Mark("phone", s, 9, str(s)) for s in range(0, 2000, 100)]
+        )
+        packets = [made.cut(made.next_end() or 0, ()) for _ in range(taken)]
+        made.cut_back(at)
+        assert made.pcm_end == at
+        made.add(at, -np.ones(3000, np.int16), [Mark("phone", at, 9, "new")])
+        more = drain(made, last=True)
+        kept = [p for p in packets if p.start < at]
+        heard = np.concatenate([p.pcm for p in kept])[:at] if kept else np.zeros(0, np.int16)
+        heard = np.concatenate([heard, *(p.pcm for p in more)])
+        assert np.array_equal(heard, np.concatenate([np.arange(at), -np.ones(3000)]))
+        assert [p.start for p in more if p.start >= at] == list(range(at, at + 3000, 640))
+        marks = [int(m.sample) for p in more for m in p.marks if m.text != "new"]
+        assert marks == [s for s in range(0, at, 100) if s >= min(at, 640 * taken)]
+
+
+def test_a_cut_beyond_the_sound_is_refused() -> None:
+    made = Packetizer(turn())
+    made.add(0, np.zeros(100, np.int16))
+    with pytest.raises(ValueError, match="beyond the last sample 100"):
+        made.cut_back(101)
