@@ -42,6 +42,7 @@ class Pipeline:
         self.turn = turn
         self._track = FaceTrack(turn.lang, turn.sample_rate, turn.fps, seed)
         self._packetizer = Packetizer(turn)
+        self._kept = KeptText()
         self._said = SaidWords(ASKING.get(turn.lang, ""))
         self._begin(frontend, 0, 0)
 
@@ -73,10 +74,19 @@ class Pipeline:
         self._track.cut(t)
         self._packetizer.cut_back(t)
         self._said.cut(t, char)
+        self._kept.cut(char)
         self._begin(self._frontend.fresh(), t, char)
         return t
 
     # text side
+
+    def keep(self, text: str, waiting: int) -> None:
+        """Text that has come, for `text_from`; with it, `waiting` characters wait to be fed."""
+        self._kept.add(text, waiting)
+
+    def text_from(self, char: int) -> str:
+        """The text kept from a character on, or from the oldest that is kept."""
+        return self._kept.since(char)
 
     def feed(self, text: str) -> list[Utterance]:
         """Phrases that can be spoken now that `text` has come."""
@@ -165,9 +175,9 @@ class Pipeline:
         word = self._said.at(sample)
         return (word.char_start, word.char_end) if word else (0, 0)
 
-    def sentence(self, text: KeptText, sample: int, back: int) -> int:
+    def sentence(self, sample: int, back: int) -> int:
         """The character with which the sentence heard at `sample` begins, or one so many before it."""
-        return self._said.sentence(text, self.heard_word(sample)[0], back)
+        return self._said.sentence(self._kept, self.heard_word(sample)[0], back)
 
     def _marks(self, phones: tuple[TimedPhone, ...], i: int) -> Iterator[Mark]:
         """Marks that begin with phone i."""

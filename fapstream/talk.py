@@ -15,7 +15,6 @@ from fapstream.errors import TextTooLong
 from fapstream.pipeline import Pipeline
 from fapstream.ports import Synthesizer
 from fapstream.records import Packet, Speech, Utterance
-from fapstream.stream import KeptText
 
 MAX_PENDING_TEXT = 262_144
 """Characters that may wait to be spoken."""
@@ -56,7 +55,6 @@ class Talk:
         self._heard_s = heard_s
         self._again = again
         self._rate = pipeline.turn.sample_rate
-        self._kept = KeptText()
         self._text_came = asyncio.Event()
         self._sound_came = asyncio.Event()
         self._room_came = asyncio.Event()
@@ -83,7 +81,7 @@ class Talk:
         for at in range(0, len(text), SLICE):
             self._text.append(text[at : at + SLICE])
         self._pending += len(text)
-        self._kept.add(text, self._pending)
+        self._pipeline.keep(text, self._pending)
         self._text_came.set()
 
     def end(self) -> None:
@@ -107,12 +105,12 @@ class Talk:
     def seek_char(self, sample: int, sentences_back: int = 0) -> int:
         """The character with which the sentence heard at `sample` begins, or one so many sentences before it;
         the oldest beginning of which the text is still there, if there are not so many."""
-        return self._pipeline.sentence(self._kept, sample, sentences_back)
+        return self._pipeline.sentence(sample, sentences_back)
 
     def text_from(self, char: int) -> str:
         """The text from a character on, also what was not spoken yet. Of the spoken, the last 64 k characters
         are kept; if `char` is older, the oldest of these comes first."""
-        return self._kept.since(char)
+        return self._pipeline.text_from(char)
 
     def cut(self, sample: int, text_start: int, text: str = "") -> int:
         """Ends what is planned; `text`, of any length, and what is fed from now on is the text from the
@@ -127,7 +125,6 @@ class Talk:
         if self._again is None:
             raise ValueError("a talk without `again` cannot be cut")
         t = self._pipeline.cut(sample, text_start)
-        self._kept.cut(text_start)
         begun = bool(self._tasks)
         dropped = asyncio.create_task(self._let_go())
         self._dropped.add(dropped)

@@ -73,8 +73,8 @@ def minimum_jerk(x: Real) -> Any:
     return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
 
 
-BACK_S = 10.0
-"""Events are remembered so long, for those who go back."""
+BACK_S = 5.0
+"""What happened is remembered so long, for those who go back."""
 
 
 class Events:

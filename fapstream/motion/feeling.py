@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fapstream.fap import expressions
-from fapstream.motion.chance import Real, minimum_jerk
+from fapstream.motion.chance import BACK_S, Real, minimum_jerk
 from fapstream.records import N_FAPS, SILENCE, TimedPhone
 
 COME_S, EBB_S, GO_S = 0.4, 0.6, 0.8
@@ -63,17 +63,25 @@ class Feeling:
         elif self._spoke and end - start >= PHRASE_END_S:
             self._leave(start)
 
+    def cut(self, t: float) -> None:
+        """What begins from `t` seconds on is void; what is there goes from then on."""
+        while self._episodes and self._episodes[-1].start >= t:
+            self._episodes.pop()
+        self._leave(t)
+        self._spoke = False
+
     def _leave(self, t: float) -> None:
         if self._episodes:
             self._episodes[-1].leave = min(self._episodes[-1].leave, t)
 
     def at(self, t: Real) -> NDArray[np.float64]:
-        """FAPs (..., 68) at `t` seconds, FAP units; many instants ascend. Times do not go back by more than a
-        second."""
+        """FAPs (..., 68) at `t` seconds, FAP units; many instants ascend. Times go back by BACK_S at most."""
         first = np.ravel(t)[0]
         values = np.zeros((*np.shape(t), N_FAPS))
-        while self._episodes and self._episodes[0].leave + GO_S < first - 1.0:
+        while self._episodes and self._episodes[0].leave + GO_S < first - BACK_S:
             self._episodes.popleft()
         for episode in self._episodes:
+            if first >= episode.leave + GO_S:
+                continue
             values += np.multiply.outer(episode.level(t), expressions()[episode.name])
         return values

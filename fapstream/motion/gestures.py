@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fapstream.data import read_text
 from fapstream.fap import ANGLE_UNIT_RAD
-from fapstream.motion.chance import Real, minimum_jerk, uniform
+from fapstream.motion.chance import BACK_S, Real, minimum_jerk, uniform
 from fapstream.motion.idle import blink
 from fapstream.records import N_FAPS, SILENCE, Phone, TimedPhone
 
@@ -70,13 +70,22 @@ class Gestures:
             self._spoke = False
             self._phrase_end(start)
 
+    def cut(self, t: float) -> None:
+        """What begins from `t` seconds on is void; what has begun goes on."""
+        while self._gestures and self._gestures[-1].start >= t:
+            self._gestures.pop()
+        while self._blinks and self._blinks[-1][1] >= t:
+            self._blinks.pop()
+        self._busy_until = min(self._busy_until, t)
+        self._spoke = False
+
     def at(self, t: Real) -> tuple[NDArray[np.float64], Any]:
         """FAPs (..., 68), FAP units, and how far a blink shuts the lids (0 to 1), at one instant or at many,
-        ascending. Times go back 1 s at most."""
+        ascending. Times go back by BACK_S at most."""
         first, last = np.ravel(t)[[0, -1]]
-        while self._gestures and self._gestures[0].start < first - LONGEST_S - 1.0:
+        while self._gestures and self._gestures[0].start < first - LONGEST_S - BACK_S:
             self._gestures.popleft()
-        while self._blinks and self._blinks[0][1] < first - LONGEST_S - 1.0:
+        while self._blinks and self._blinks[0][1] < first - LONGEST_S - BACK_S:
             self._blinks.popleft()
         values = np.zeros((*np.shape(t), N_FAPS))
         for gesture in self._gestures:

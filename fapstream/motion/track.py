@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from fapstream.motion.chance import minimum_jerk
+from fapstream.motion.chance import BACK_S, minimum_jerk
 from fapstream.motion.feeling import Feeling
 from fapstream.motion.gestures import Gestures
 from fapstream.motion.hermite import Values, hermite, limited_slope
@@ -27,10 +27,7 @@ IDLE_BLOCK = 4 * BLOCK
 """The same of idle life, which waits for nobody."""
 
 SEAM_S = 0.1
-"""After a cut the face takes so long from what it showed to the new track."""
-
-SHOWN_S = 5.0
-"""A cut may go back so far and still find what was shown."""
+"""After a cut the mouth takes so long from what it showed to the new track."""
 
 
 class FaceTrack:
@@ -47,19 +44,17 @@ class FaceTrack:
         self._seed = seed
         self._idle = _Ahead(IdleLife(seed), fps)
         self._frame = 0
-        self._shown: deque[FapFrame] = deque(maxlen=round(SHOWN_S * fps))
-        self._seam_face: Values = np.zeros(N_FAPS)
-        self._begin(0)
-
-    def _begin(self, sample: int) -> None:
-        """All streams but idle life begin at a sample; the face is at rest."""
-        self._seam = sample
-        self._end = sample
-        """Where the last phone ends."""
-        self._speech = SpeechTrack(self._sample_rate, self._fps, sample)
-        self._feeling = Feeling(self._sample_rate)
-        self._gestures = Gestures(self._seed, self._sample_rate)
+        self._shown: deque[FapFrame] = deque(maxlen=round(BACK_S * fps))
         self._made: deque[FapFrame] = deque()
+        self._speech = SpeechTrack(sample_rate, fps)
+        self._feeling = Feeling(sample_rate)
+        self._gestures = Gestures(seed, sample_rate)
+        self._end = 0
+        """Where the last phone ends."""
+        self._seam = 0.0
+        """When the last cut was, s."""
+        self._offset: Values = np.zeros(N_FAPS)
+        """How far the face was then from where the new track has it."""
 
     def add(self, phones: Iterable[TimedPhone]) -> None:
         """The next phones, in order of time."""
@@ -72,18 +67,28 @@ class FaceTrack:
     def cut(self, sample: int) -> None:
         """What was to come from `sample` on is void, given out or not; the phones that come now begin there.
 
-        Frames before it that were not given yet still come. The face goes on from what it showed.
+        Frames before it that were not given yet still come. The mouth goes on from what it showed; gestures
+        and expressions that had begun come to their end. May go back up to BACK_S.
         """
         before = self.frames(sample)
         while self._shown and self._shown[-1].sample >= sample:
             self._shown.pop()
+        self._seam, self._end = sample / self._sample_rate, sample
+        self._speech = SpeechTrack(self._sample_rate, self._fps, sample)
+        self._feeling.cut(self._seam)
+        self._gestures.cut(self._seam)
+        self._offset = np.zeros(N_FAPS)
         if self._shown:
-            self._seam_face = self._shown[-1].values.astype(np.float64)
+            last = self._shown[-1]
+            self._offset = last.values - self._faces(self._number(last.sample), np.array([last.sample]))[0]
         for _ in before:
             self._shown.pop()
-        self._begin(sample)
-        self._frame = min(self._frame, -(-sample * self._fps // self._sample_rate)) - len(before)
-        self._made.extend(before)
+        self._frame = min(self._frame, self._number(sample)) - len(before)
+        self._made = deque(before)
+
+    def _number(self, sample: int) -> int:
+        """Of the first frame that holds at a sample or after it."""
+        return -(-sample * self._fps // self._sample_rate)
 
     @property
     def next_sample(self) -> int:
@@ -114,15 +119,19 @@ class FaceTrack:
         ordinals = np.arange(self._frame, self._frame + BLOCK - self._frame % BLOCK)
         samples = ordinals * self._sample_rate // self._fps
         samples = samples[: np.searchsorted(samples, limit)]
+        faces = self._faces(self._frame, samples)
+        if samples[0] < (self._seam + SEAM_S) * self._sample_rate:
+            new = minimum_jerk((samples / self._sample_rate - self._seam) / SEAM_S)
+            faces += (1.0 - new)[:, None] * self._offset
+        rows = np.rint(faces).astype(np.int32)
+        self._made.extend(FapFrame(int(sample), row) for sample, row in zip(samples, rows, strict=True))
+
+    def _faces(self, first: int, samples: NDArray[np.int64]) -> Values:
+        """What the streams make of the frames from number `first` on, shape (n, 68)."""
         t = samples / self._sample_rate
         gesture, shut = self._gestures.at(t)
-        idle = self._idle.at(self._frame, len(t))
-        face = mix(Streams(self._speech.at(samples), self._feeling.at(t), gesture, idle, shut))
-        if self._seam and t[0] < self._seam / self._sample_rate + SEAM_S:
-            new = minimum_jerk((t - self._seam / self._sample_rate) / SEAM_S)[:, None]
-            face = self._seam_face + new * (face - self._seam_face)
-        rows = np.rint(face).astype(np.int32)
-        self._made.extend(FapFrame(int(sample), row) for sample, row in zip(samples, rows, strict=True))
+        idle = self._idle.at(first, len(t))
+        return mix(Streams(self._speech.at(samples), self._feeling.at(t), gesture, idle, shut))
 
 
 class _Ahead:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 KEPT_TEXT = 65_536
 """Characters that were taken to be spoken are kept so long."""
 
-KEPT_WORDS = 1024
+KEPT_WORDS = 512
 """Spoken words are remembered: some minutes, much more than anybody hears behind what is made."""
 
 PIECE = 4096

@@ -97,4 +97,17 @@ def test_what_comes_later_changes_nothing_before_it() -> None:
 def test_old_ones_are_forgotten() -> None:
     stream, said = feeling(*[smiley(EXPRESSIONS[k % 6], 500.0) for k in range(50)])
     stream.at(said[-1].end / RATE)
-    assert len(stream._episodes) < 10
+    assert len(stream._episodes) < 15
+
+
+def test_a_cut_lets_it_go_and_makes_void_what_comes_later() -> None:
+    stream, _ = feeling(smiley("joy", 500.0), *SPEECH, smiley("anger", 500.0))
+    plain, _ = feeling(smiley("joy", 500.0), *SPEECH)
+    before = level(stream, "joy", np.arange(0, 1.2, 0.05))
+    stream.cut(1.2)
+    assert level(stream, "joy", np.array([1.2])) == pytest.approx(level(plain, "joy", np.array([1.2])))
+    assert level(plain, "joy", np.arange(0, 1.2, 0.05)) == pytest.approx(before)
+    track = level(stream, "joy", np.arange(1.2, 3.0, 0.02))
+    assert np.abs(np.diff(track)).max() < 0.1
+    assert track[-1] == 0
+    assert not level(stream, "anger", np.arange(2.1, 4, 0.1)).any()

@@ -117,3 +117,21 @@ def test_old_gestures_are_forgotten() -> None:
     stream.at(said[-1].end / RATE)
     assert len(stream._gestures) < 20
     assert len(stream._blinks) < 10
+
+
+def test_a_cut_makes_void_what_begins_later_and_ends_what_has_begun() -> None:
+    whole, said = gestures(PHRASE * 20)
+    at = 7.3
+    stream, _ = gestures(PHRASE * 20)
+    stream.at(at + 3.0)
+    stream.cut(at)
+    before = np.arange(at - 1.0, at, 0.01)
+    assert np.array_equal(stream.at(before)[0], whole.at(before)[0])
+    values, _ = stream.at(np.arange(at, at + 3, 0.01))
+    assert np.abs(np.diff(values[:, 47])).max() * AU < 0.006
+    assert not values[150:].any()
+    assert not stream.at(np.arange(at + 1.5, at + 3, 0.01))[1]
+    assert said[-1].end / RATE > at + 3
+    for phone in timed(PHRASE, RATE, round(at * RATE)):
+        stream.add(phone)
+    assert stream._gestures[-1].start >= at
