@@ -24,6 +24,7 @@ from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.hub import HubBus
 from fapstream.adapters.metrics import Metrics
 from fapstream.adapters.pool import VoicePool
+from fapstream.adapters.spares import watch_by_descriptor
 from fapstream.cli.editor import editor
 from fapstream.errors import InputError, NotAuthorised, SynthesisError
 from fapstream.ports import Bus, Meter
@@ -85,7 +86,8 @@ async def work(plan: Plan, index: int, ready: Callable[[str, int], None], parent
     else:
         loop.add_reader(parent, stop.set)
     meter = Metrics(plan.folder / "metrics" if plan.folder else None, index)
-    pool = VoicePool()
+    watch_by_descriptor()
+    pool = VoicePool(on_event=partial(_count_voice, meter))
     bus = HubBus(plan.folder / HUB_SOCKET) if plan.folder and plan.bus is None else open_bus(plan.bus)
     lag = asyncio.create_task(_watch_lag(meter))
     try:
@@ -149,6 +151,13 @@ def _metrics(gate: Gate, meter: Metrics, address: str, headers: Headers) -> Answ
         return plain(401, f"{e}\n", ("WWW-Authenticate", "Bearer"))
     body, kind = meter.exposition()
     return Answer(200, (("Content-Type", kind), ("Cache-Control", "no-store")), body)
+
+
+def _count_voice(meter: Meter, event: str) -> None:
+    if event == "restart":
+        meter.count("voice_restarts")
+    elif event == "hang":
+        meter.count("voice_hangs")
 
 
 async def _watch_lag(meter: Meter) -> None:

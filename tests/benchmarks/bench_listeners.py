@@ -21,7 +21,7 @@ import msgpack
 import numpy as np
 
 from fapstream.protocol import generated as g
-from tests.benchmarks.load import RawSocket, Tally, Talker, connect, cpu_s, raise_file_limit
+from tests.benchmarks.load import RawSocket, Talker, Tally, connect, cpu_s, raise_file_limit
 from tests.benchmarks.server import server
 
 PACKET_BYTES = 1500
