@@ -175,6 +175,10 @@ class Pipeline:
         word = self._said.at(sample)
         return (word.char_start, word.char_end) if word else (0, 0)
 
+    def said_until(self, sample: int, char: int) -> SaidWord | None:
+        """The last word whose text ends by a character; no earlier one than that heard at a sample."""
+        return self._said.until(sample, char)
+
     def sentence(self, sample: int, back: int) -> int:
         """The character with which the sentence heard at `sample` begins, or one so many before it."""
         return self._said.sentence(self._kept, self.heard_word(sample)[0], back)

@@ -137,6 +137,28 @@ class Talk:
         self._sound_came.set()
         return t
 
+    def splice(self, sample: int, char: int) -> tuple[int, int]:
+        """The text from a character on is void, as far as it was not heard by `sample`; what is fed from now
+        on takes its place.
+
+        Returns the first void sample, as `cut`, and how many characters stay: more than `char` if a word
+        that goes beyond it is being heard.
+        """
+        word = self._pipeline.said_until(sample, char)
+        said = word.char_end if word else 0
+        left = self.text_from(said)[: max(0, char - said)]
+        t = self.cut(max(sample, word.start if word else 0), said, left)
+        return t, said + len(left)
+
+    def seek(self, sample: int, back: int) -> tuple[int, int]:
+        """Say the sentence heard at `sample` again, or one so many sentences before it, and all that follows;
+        `end` has to be called again.
+
+        Returns the first void sample, as `cut`, and the character that is said next.
+        """
+        char = self.seek_char(sample, back)
+        return self.cut(sample, char, self.text_from(char)), char
+
     def _let_go(self) -> Coroutine[None, None, None]:
         """Stops at once those who write and read; what is returned gives their voice back after that."""
         for task in self._tasks:

@@ -346,7 +346,7 @@ class Packet:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discard:
-    """The turn was revised (`splice`, `seek`): what it had from `sample` on is void, and its next packet begins there."""
+    """The turn was revised (`splice`, `seek`): what it has from `sample` on is void, and a packet begins there."""
 
     type: ClassVar[str] = "discard"
     turn: int

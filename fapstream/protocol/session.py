@@ -275,7 +275,7 @@ class ClientSession(_Session):
             turn.begin, turn.samples = message, message.sample or 0
             turn.faps = FapDecoder(len(self.ready.faps) if self.ready else len(FAP_NUMBERS))
         elif isinstance(message, g.Discard):
-            turn.samples = message.sample
+            turn.samples = min(turn.samples, message.sample)
         if not isinstance(message, g.Packet):
             return [message]
         packet = self._packet(message, turn)

@@ -188,7 +188,7 @@ class Channel:
         while ring and _end_of(ring[-1]) > message.sample:
             ring.pop()
         self._state.word = self._state.caption = None
-        self._state.end = message.sample
+        self._state.end = min(self._state.end, message.sample)
         self._offer(Item(message, data))
 
     # who listens

@@ -133,6 +133,9 @@ class Conversation:
                 await self.send(g.Pong(id=event.id, received=self.session.received))
             case g.Ack():
                 self._acknowledge(event)
+            case g.Splice() | g.Seek():
+                if turn := self._turns.get(event.turn):
+                    await self._revise(turn, event)
             case g.Interrupt() | g.Pause() | g.Continue():
                 if turn := self._turns.get(event.turn):
                     await self._steer(turn, event)
@@ -198,6 +201,15 @@ class Conversation:
             turn.go_on(now)
             self._relay("continue", encode(event))
 
+    async def _revise(self, turn: Turn, event: g.Splice | g.Seek) -> None:
+        now = self._service.clock.now()
+        if isinstance(event, g.Splice):
+            cut = turn.splice(event.char, event.heard, now)
+        else:
+            cut = turn.seek(event.back, event.heard, now)
+        if cut:
+            await self.send(g.Discard(turn=turn.number, sample=cut[0], char=cut[1]))
+
     async def _interrupt(self, turn: Turn, event: g.Interrupt) -> None:
         if turn.interrupt:
             return
@@ -244,16 +256,24 @@ class Conversation:
             voice.sample_rate, SHARED_LEAD_S if shared else LEAD_S - GROUP_S, 0.0 if shared else GROUP_S
         )
         pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
-        talk = Talk(pipeline, synthesizer, lambda: pacer.heard(clock.now()) / voice.sample_rate)
+        talk = Talk(
+            pipeline,
+            synthesizer,
+            lambda: pacer.heard(clock.now()) / voice.sample_rate,
+            lambda: self._service.voices.acquire(voice),
+        )
         turn.hand_over(talk)
         try:
             await self.send(
                 g.Begin(turn=form.turn, voice=voice.name, lang=voice.lang,
                         sample_rate=form.sample_rate, fps=form.fps)
             )  # fmt: skip
-            async with aclosing(talk.packets()) as packets:
-                async for packet in packets:
-                    await self._send_packet(turn, packet)
+            cuts = -1
+            while cuts != len(turn.cuts):  # after its last packet a turn may still be revised
+                cuts = len(turn.cuts)
+                async with aclosing(talk.packets()) as packets:
+                    async for packet in packets:
+                        await self._send_packet(turn, packet)
         finally:
             await talk.aclose()
 

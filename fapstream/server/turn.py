@@ -14,6 +14,9 @@ from fapstream.talk import MAX_PENDING_TEXT, Talk
 from fapstream.tts import PHRASE, Manner
 from fapstream.tts.voices import Voice
 
+ON_THE_WAY_S = 0.15
+"""What is heard until a client has been told of a cut: nothing of it can be taken back."""
+
 
 class TooManyTurns(InputError):
     """More turns wait than the protocol allows."""
@@ -108,6 +111,38 @@ class Turn:
         if self.pacer:
             self.pacer.go_on(now)
         self.going.set()
+
+    def splice(self, char: int, said: int | None, now: float) -> tuple[int, int] | None:
+        """Drop the text from a character on: the first void sample, and the characters that stay. None for a
+        turn that is not spoken yet: its text alone is changed.
+        """
+        self.ended = False
+        if self.talk is None:
+            self.text = ["".join(self.text)[:char]]
+            return None
+        return self._void(self.talk.splice(self._soon(said, now), char))
+
+    def seek(self, back: int, said: int | None, now: float) -> tuple[int, int] | None:
+        """Say it again from the beginning of a sentence: the first void sample, and the character said next.
+        None for a turn that is not spoken yet.
+        """
+        if self.talk is None:
+            return None
+        found = self._void(self.talk.seek(self._soon(said, now), back))
+        if self.ended:
+            self.talk.end()
+        return found
+
+    def _soon(self, said: int | None, now: float) -> int:
+        """A sample that will not be heard before the client knows."""
+        return self.heard(said, now) + round(ON_THE_WAY_S * self.voice.sample_rate)
+
+    def _void(self, cut: tuple[int, int]) -> tuple[int, int]:
+        assert self.pacer
+        self.cuts.append(cut[0])
+        self.sent = min(self.sent, cut[0])
+        self.pacer.discard(cut[0])
+        return cut
 
     def still_valid(self, packet: Packet, cuts: int) -> Packet | None:
         """What is left of a packet that was made when there were so many cuts."""

@@ -112,6 +112,13 @@ class SaidWords:
         i = bisect_right(self._words, sample, key=lambda word: word.start)
         return self._words[i - 1] if i else None
 
+    def until(self, sample: int, char: int) -> SaidWord | None:
+        """The last word whose text ends by a character; no earlier one than that heard at a sample."""
+        for word in reversed(self._words):
+            if word.char_end <= char or word.start <= sample:
+                return word
+        return None
+
     def cut(self, sample: int, char: int) -> None:
         """What was to be heard from a sample on is void, and so is the text from a character on."""
         i = bisect_right(self._words, sample - 1, key=lambda word: word.start)

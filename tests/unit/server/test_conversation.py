@@ -238,3 +238,133 @@ async def test_acknowledgements_during_a_pause_say_where_it_goes_on() -> None:
         await asyncio.sleep(5.0)
         p.send(g.Interrupt(turn=1))
         assert (await p.until(g.Done)).heard == 8000
+
+
+# revisions
+
+
+class Player:
+    """What a client hears: packets, less what was discarded."""
+
+    def __init__(self) -> None:
+        self.marks: list[g.Mark] = []
+        self.end = 0
+        self.discards: list[g.Discard] = []
+        self.done: g.Done | None = None
+
+    def take(self, messages: list[g.ServerMessage]) -> None:
+        for m in messages:
+            if isinstance(m, g.Packet) and m.pcm is not None:
+                assert m.sample == self.end
+                self.end += len(m.pcm)
+                self.marks += m.marks or ()
+            elif isinstance(m, g.Discard):
+                self.discards.append(m)
+                self.end = min(self.end, m.sample)
+                self.marks = [x for x in self.marks if x.sample < m.sample]
+            elif isinstance(m, g.Done):
+                self.done = m
+
+    @property
+    def words(self) -> list[str]:
+        return [m.text for m in self.marks if m.kind == "word"]
+
+    def spoken(self, text: str) -> bool:
+        """Whether the words carry the offsets that they have in a text."""
+        return all(text[m.char_start : m.char_end] == m.text for m in self.marks if m.kind == "word")
+
+
+OLD = "one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen. "
+NEW = "and the other ones. "
+
+
+@pytest.mark.parametrize("after", [0.0, 0.7, 2.0])
+@pytest.mark.parametrize("kept", ["", "one two ", "one two three four five six seven ", OLD])
+@in_virtual_time
+async def test_a_splice_replaces_what_was_not_heard(after: float, kept: str) -> None:
+    async with peer() as p:
+        player = Player()
+        p.send(*say(1, OLD + OLD))
+        await p.until(g.Begin)
+        await asyncio.sleep(after)
+        player.take(received(p))
+        before = [(m.text, m.sample) for m in player.marks if m.kind == "word"]
+        p.send(g.Splice(turn=1, char=len(kept)), g.Speak(turn=1, text=NEW.encode()), g.End(turn=1))
+        await asyncio.sleep(60)
+        player.take(received(p))
+        assert player.done
+        assert player.done.samples == player.end
+        [discard] = player.discards
+        whole = (OLD + OLD)[: discard.char] + NEW
+        assert discard.char >= len(kept)
+        assert player.words == f"{whole[: discard.char]} {NEW}".replace(".", "").split()
+        assert player.spoken(whole)
+        heard = [w for w, sample in before if sample <= 16000 * after]
+        assert player.words[: len(heard)] == heard
+        if discard.char > len(kept):
+            assert len(whole) - len(NEW) <= len(" ".join(heard)) + 12, "no more stays than had to"
+
+
+@in_virtual_time
+async def test_a_splice_of_a_turn_that_waits_changes_its_text() -> None:
+    async with peer() as p:
+        p.send(g.Speak(turn=1, text=b"first "), *say(2, OLD))
+        p.send(g.Splice(turn=2, char=8), g.Speak(turn=2, text=b"more."), g.End(turn=2), g.End(turn=1))
+        packets, _ = await p.rest_of_turn(2)
+        assert [m.text for q in packets for m in q.marks or () if m.kind == "word"] == ["one", "two", "more"]
+
+
+@pytest.mark.parametrize(("back", "said_again"), [(0, "Four"), (1, "One"), (9, "One")])
+@in_virtual_time
+async def test_seeking_says_a_sentence_again(back: int, said_again: str) -> None:
+    text = "One two three. Four five six seven eight nine. Ten eleven twelve. "
+    async with peer() as p:
+        player = Player()
+        p.send(*say(1, text))
+        while "five" not in player.words:
+            player.take([await p.next()])
+        at = next(m.sample for m in player.marks if m.text == "five")
+        p.send(g.Seek(turn=1, back=back, heard=at))
+        await asyncio.sleep(60)
+        player.take(received(p))
+        [discard] = player.discards
+        assert text[discard.char :].startswith(said_again)
+        assert player.spoken(text)
+        cut = max(i for i, w in enumerate(player.words) if w == said_again)
+        assert player.words[cut:] == text[discard.char :].replace(".", "").split()
+        assert player.words[:cut][:5] == ["One", "two", "three", "Four", "five"]
+        assert player.done
+        assert player.done.samples == player.end
+
+
+@in_virtual_time
+async def test_a_revised_turn_can_be_interrupted_and_says_what_was_heard_of_the_new_text() -> None:
+    async with peer() as p:
+        player = Player()
+        p.send(*say(1, OLD))
+        await asyncio.sleep(1.0)
+        player.take(received(p))
+        p.send(g.Splice(turn=1, char=0), g.Speak(turn=1, text=NEW.encode()))
+        await asyncio.sleep(1.0)
+        player.take(received(p))
+        [discard] = player.discards
+        the = next(m for m in player.marks if m.text == "the")
+        p.send(g.Interrupt(turn=1, heard=the.sample + 10))
+        done = await p.until(g.Done)
+        assert done.char == the.char_end == discard.char + NEW.index("the ") + 3
+        assert all(v.closes == 1 for v in p.voices.acquired)
+
+
+@in_virtual_time
+async def test_revisions_of_a_turn_that_is_over_are_ignored() -> None:
+    async with peer() as p:
+        p.send(*say(1, "one."))
+        await p.rest_of_turn(1)
+        p.send(
+            g.Splice(turn=1, char=0),
+            g.Seek(turn=1, back=0),
+            g.Pause(turn=1),
+            g.Continue(turn=1),
+            g.Ping(id=1),
+        )
+        assert (await p.next()).id == 1

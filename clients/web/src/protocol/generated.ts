@@ -295,7 +295,7 @@ export interface Packet {
   hold?: boolean;
 }
 
-/** The turn was revised (`splice`, `seek`): what it had from `sample` on is void, and its next packet begins there. */
+/** The turn was revised (`splice`, `seek`): what it has from `sample` on is void, and a packet begins there. */
 export interface Discard {
   type: "discard";
   /** the turn */

@@ -125,7 +125,7 @@ export class ClientSession {
     if (message.type === "begin") {
       Object.assign(turn, { begin: message, samples: message.sample ?? 0, faps: new FapDecoder(this.ready?.faps.length ?? 1) });
     } else if (message.type === "discard") {
-      turn.samples = message.sample;
+      turn.samples = Math.min(turn.samples, message.sample);
     }
     if (message.type !== "packet") return message as ServerEvent;
     const slice = this.read(turn, message);
