@@ -81,7 +81,7 @@ class FaceTrack:
         if self._shown:
             last = self._shown[-1]
             self._offset = last.values - self._faces(self._number(last.sample), np.array([last.sample]))[0]
-        for _ in before:
+        while before and self._shown and self._shown[-1].sample >= before[0].sample:
             self._shown.pop()
         self._frame = min(self._frame, self._number(sample)) - len(before)
         self._made = deque(before)

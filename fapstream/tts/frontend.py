@@ -18,6 +18,9 @@ from fapstream.tts.segment import UNDECIDED, WRAPPED, NewLine, Token, ends_befor
 
 MAX_TOKENS: Final = 24
 """Tokens are read on at the latest when so many wait."""
+LONGEST_PHRASE: Final = 80
+"""After so many tokens without a mark that ends a phrase it ends like at a comma: whoever speaks takes
+breath, and what is kept of a phrase is bounded."""
 PARAGRAPH_MS: Final = 250.0
 """A blank line adds so much to the pause."""
 
@@ -40,6 +43,8 @@ class FrontEnd:
         self._planner = Planner(lang, prosody, manner)
         self._reader = Reader(lambda name: language(name).segmenter, lang, self._language.say_as)
         self._tokens: list[Token] = []
+        self._length = 0
+        """Tokens of the phrase."""
         self._undecided = ""
         """A phrase end that the next token decides."""
         self._spoken: list[Spoken] = []
@@ -128,6 +133,7 @@ class FrontEnd:
     def _token(self, token: Token) -> None:
         self._blank_lines = 0
         self._said = True
+        self._length += 1
         if self._undecided:
             undecided, self._undecided = self._undecided, ""
             if ends_before(undecided, token.text, self._language.openings, self._language.inside):
@@ -135,7 +141,9 @@ class FrontEnd:
         stop = token.stop
         if not stop:
             self._tokens.append(token)
-            if len(self._tokens) >= MAX_TOKENS:
+            if self._length >= LONGEST_PHRASE:
+                self._close("comma")
+            elif len(self._tokens) >= MAX_TOKENS:
                 self._advance(False)
         elif stop in UNDECIDED:
             token.stop = ""
@@ -177,6 +185,7 @@ class FrontEnd:
 
     def _end_phrase(self) -> None:
         self._out += self._planner.take()
+        self._length = 0
         self._context.clear()
         self._opening.clear()
         self._before = ""

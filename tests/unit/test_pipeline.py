@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fapstream.pipeline import Pipeline
+from fapstream.pipeline import UNSAID, Pipeline
 from fapstream.records import SILENCE, Mark, Packet, Phone, Speech, TurnFormat, Utterance, Word
 from fapstream.tts import PHRASE, FrontEnd, Manner
 from tests.unit.fakes import timed
@@ -272,3 +272,48 @@ def test_an_empty_turn_has_no_packets() -> None:
     assert line.end() == []
     assert list(line.packets(last=True)) == []
     assert line.planned == line.produced == line.heard_char(100) == 0
+
+
+@pytest.mark.parametrize("step", [64, 5000])
+def test_text_that_cannot_be_said_is_not_kept(step: int) -> None:
+    line = pipeline()
+    for _ in range(400):
+        line.feed("🫨" * step)
+    assert sum(map(len, line._text._parts)) <= UNSAID + step
+    [utterance, *_] = line.feed("one two. ")
+    assert [w.text for w in utterance.words] == ["one", "two"]
+    for speech in speeches([utterance]):
+        line.add(speech)
+    [caption] = marks(list(line.packets(last=True)), "caption")
+    assert caption.text.endswith("one two.")
+    assert caption.char_end == 400 * step + 7
+
+
+@pytest.mark.parametrize(("sample", "taken"), [(0, 5), (9_000, 40), (20_000, 60), (41_000, 0), (10**6, 10)])
+def test_cut(sample: int, taken: int) -> None:
+    """At the end of the word, of the pause, or of the sound; what follows is as in a turn of its own."""
+    line = pipeline()
+    for speech in speeches(line.feed(TEXT) + line.end()):
+        line.add(speech)
+    produced = line.packets()
+    early = [next(produced) for _ in range(taken)]
+    word = line._said.at(sample)
+    end = line.planned
+    t = line.cut(sample, 90)
+    assert t == min(max(sample, word.end if word else 0), end)
+    utterances = line.feed("New words. ") + line.end()
+    for speech in speeches(utterances):
+        line.add(speech)
+    late = list(line.packets(last=True))
+    assert [p.start for p in late] == sorted({p.start for p in late})
+    assert t in [p.start for p in late]
+    alone = said("New words. ")
+    new = [p for p in late if p.start >= t]
+    assert [len(p.pcm) for p in new] == [len(p.pcm) for p in alone]
+    assert [(m.kind, m.sample - t, m.text) for p in new for m in p.marks] == [
+        (m.kind, m.sample, m.text) for p in alone for m in p.marks
+    ]
+    assert [m.char_start for m in marks(new, "word")] == [90, 94]
+    assert marks(new, "caption")[0].char_start == 90
+    kept = [p for p in early if p.start + len(p.pcm) <= t] + [p for p in late if p.start < t]
+    assert sum(len(p.pcm) for p in kept) >= min(t, sum(len(p.pcm) for p in early)) - 640

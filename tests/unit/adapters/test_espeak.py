@@ -14,6 +14,7 @@ import pytest
 
 from fapstream.adapters import espeak
 from fapstream.adapters.espeak import EspeakPool, EspeakProcess, EspeakSynthesizer, split_at_pauses
+from fapstream.adapters.spares import Limits
 from fapstream.errors import SynthesisError, VoiceUnavailable
 from fapstream.records import SILENCE, Pcm, Phone, TimedPhone, Utterance
 from fapstream.tts import FrontEnd, Manner
@@ -190,3 +191,55 @@ def test_split_at_pauses() -> None:
     a, b, pause = Phone("a", 1.0), Phone("b", 1.0), Phone(SILENCE, 1.0)
     assert split_at_pauses([]) == []
     assert split_at_pauses([pause, a, b, pause, pause, a]) == [[pause], [a, b], [pause], [pause], [a]]
+
+
+async def test_a_worker_that_hangs_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(espeak, "HANG_S", 0.3)
+    events: list[str] = []
+    pool = EspeakPool(on_event=events.append)
+    whole, phones = await turn(pool, "en", planned("en"))
+    synthesizer = await pool.acquire(voice("espeak-en"))
+    os.kill(synthesizer._process._process.pid, signal.SIGSTOP)
+    monkeypatch.setattr(espeak, "HANG_S", 5.0 if len(events) > 1 else 0.3)
+    try:
+        again, same = await spoken(synthesizer, planned("en"))
+    finally:
+        await synthesizer.aclose()
+        await pool.aclose()
+    assert events[:3] == ["start", "hang", "restart"]
+    assert len(again) == pytest.approx(len(whole), abs=32)
+    assert [t.phone for t in same] == [t.phone for t in phones]
+
+
+async def test_a_turn_that_waits_for_text_holds_no_worker() -> None:
+    pool = EspeakPool(Limits(most=1))
+    turns = [await asyncio.wait_for(pool.acquire(voice("espeak-en")), 5)]
+    speaking = asyncio.create_task(anext(turns[0].speech(), None))
+    turns.append(await asyncio.wait_for(pool.acquire(voice("espeak-en")), 5))
+    assert turns[0]._process is None
+    await turns[0].finish()
+    assert await speaking is None
+    for synthesizer in turns:
+        await synthesizer.aclose()
+    await pool.aclose()
+
+
+async def test_the_writer_waits_while_a_listener_has_enough(pool: EspeakPool) -> None:
+    synthesizer = await pool.acquire(voice("espeak-en"))
+    speech = synthesizer.speech()
+    await synthesizer.write(planned("en")[0])
+    await anext(speech)
+
+    async def write() -> None:
+        for _ in range(50):
+            for u in planned("en"):
+                await synthesizer.write(u)
+        await synthesizer.finish()
+
+    writing = asyncio.create_task(write())
+    for _ in range(20):
+        await asyncio.sleep(0)
+    assert len(synthesizer._todo) <= espeak.MAX_TODO + 1
+    writing.cancel()
+    await asyncio.gather(writing, return_exceptions=True)
+    await synthesizer.aclose()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fapstream.errors import UnknownLanguage
 from fapstream.records import SILENCE, Note, Phone, Utterance, Word
-from fapstream.tts.frontend import FrontEnd
+from fapstream.tts.frontend import LONGEST_PHRASE, FrontEnd
 from fapstream.tts.manner import PHRASE, Manner, read_lexicon
 from fapstream.tts.plan import HOLD_MS, MAX_PENDING
 from fapstream.tts.tables import phone_set
@@ -452,3 +452,25 @@ def test_a_sentence_takes_about_a_millisecond() -> None:
 def test_unknown_language() -> None:
     with pytest.raises(UnknownLanguage):
         FrontEnd("xx")
+
+
+@pytest.mark.parametrize("look_ahead", [0, 1, PHRASE])
+@pytest.mark.parametrize("step", [1, 50, 10**6])
+def test_whoever_reads_without_marks_takes_breath(look_ahead: int, step: int) -> None:
+    """So nothing that is kept of a phrase grows without end; where, does not depend on the pieces."""
+    text = "banana to the river " * 200
+    front = FrontEnd("en", Manner(look_ahead=look_ahead))
+    utterances = [u for at in range(0, len(text), step) for u in front.feed(text[at : at + step])]
+    utterances += front.end()
+    words, ends = 0, []
+    for u in utterances:
+        words += len(u.words)
+        if u.closed:
+            ends.append(words)
+    assert ends == list(range(LONGEST_PHRASE, 801, LONGEST_PHRASE))
+
+
+def test_a_fresh_one_has_read_nothing() -> None:
+    read = FrontEnd("el", Manner(look_ahead=1, rate=1.5))
+    read.feed(GREEK[:100])
+    assert read.fresh().feed(GREEK) == FrontEnd("el", Manner(look_ahead=1, rate=1.5)).feed(GREEK)
