@@ -131,18 +131,24 @@ def keyframes(timed: TimedPhone, lang: str, sample_rate: int) -> Iterator[Keyfra
     if phone.name == SILENCE:
         yield from _pause(timed, sample_rate)
         return
-    shape = phone_shapes(lang).get(phone.name) or phone_shapes(lang)[SILENCE]
-    scale = 1.0 if phone.stress == 1 else shape.unstressed
-    half_hold = min(shape.hold_ms / 2000 * sample_rate, MAX_HALF_HOLD * length)
-    for target in shape.targets:
+    hold_ms, targets = _stressed(lang, phone.name, phone.stress == 1)
+    half_hold = min(hold_ms / 2000 * sample_rate, MAX_HALF_HOLD * length)
+    for target in targets:
         middle = timed.start + target.at * length
-        values = target.values.copy()
-        values[:N_FAPS] *= scale
         if half_hold < 1:
-            yield Keyframe(round(middle), values)
+            yield Keyframe(round(middle), target.values)
             continue
-        yield Keyframe(round(middle - half_hold), values)
-        yield Keyframe(round(middle + half_hold), values)
+        yield Keyframe(round(middle - half_hold), target.values)
+        yield Keyframe(round(middle + half_hold), target.values)
+
+
+@cache
+def _stressed(lang: str, name: str, stressed: bool) -> tuple[float, tuple[Target, ...]]:
+    """How long a phone's shapes are kept, ms, and what they are with or without stress."""
+    shape = phone_shapes(lang).get(name) or phone_shapes(lang)[SILENCE]
+    scale = np.ones(N_CHANNELS)
+    scale[:N_FAPS] = 1.0 if stressed else shape.unstressed
+    return shape.hold_ms, tuple(Target(t.at, t.values * scale) for t in shape.targets)
 
 
 def _pause(timed: TimedPhone, sample_rate: int) -> Iterator[Keyframe]:
