@@ -181,6 +181,8 @@ class MbrolaSynthesizer:
             lines += FLUSH
             self._tail.clear()
         async with self._writing:
+            if self._failure:
+                raise self._failure
             process = self._process or await self._resume()
             self._log.append(lines)
             self._flushed = closed

@@ -13,6 +13,7 @@ import json
 import resource
 import subprocess
 import time
+from collections import Counter
 from collections.abc import Callable
 from contextlib import aclosing
 from pathlib import Path
@@ -20,6 +21,7 @@ from typing import Any
 
 from fapstream.adapters.mbrola_process import database
 from fapstream.adapters.pool import VoicePool
+from fapstream.adapters.spares import watch_by_descriptor
 from fapstream.motion import FaceTrack
 from fapstream.pipeline import Pipeline
 from fapstream.records import TurnFormat
@@ -92,9 +94,13 @@ async def talker(pool: VoicePool, chosen: Voice, k: int, seconds: float, paced: 
     return end
 
 
-async def run(chosen: Voice, talkers: int, seconds: float, paced: bool) -> float:
-    """Seconds of sound of all talkers together."""
-    pool = VoicePool()
+async def run(
+    chosen: Voice, talkers: int, seconds: float, paced: bool, events: Counter[str] | None = None
+) -> float:
+    """Seconds of sound of all talkers together. `events` counts what happened in the pool."""
+    watch_by_descriptor()
+    counted = Counter[str]() if events is None else events
+    pool = VoicePool(on_event=lambda event: counted.update([event]))
     try:
         return sum(await asyncio.gather(*(talker(pool, chosen, k, seconds, paced) for k in range(talkers))))
     finally:
@@ -123,7 +129,8 @@ def measure(chosen: Voice, talkers: int, seconds: float, paced: bool) -> dict[st
     asyncio.run(run(chosen, 1, 2.0, False))  # tables are read
     meter = Meter()
     children, own, wall = children_s(), time.process_time(), time.perf_counter()
-    spoken = asyncio.run(run(chosen, talkers, seconds, paced))
+    events = Counter[str]()
+    spoken = asyncio.run(run(chosen, talkers, seconds, paced, events))
     own, children, wall = time.process_time() - own, children_s() - children, time.perf_counter() - wall
     figures = dict(meter.seconds)
     figures["asyncio, pipes and the rest"] = own - sum(meter.seconds.values())
@@ -132,6 +139,7 @@ def measure(chosen: Voice, talkers: int, seconds: float, paced: bool) -> dict[st
     return {
         **{part: round(1000 * s / spoken, 3) for part, s in figures.items()},
         "mbrola's floor": round(floor, 3),
+        "programs started": events["start"],
         "times real time": round(spoken / wall, 1),
     }
 
