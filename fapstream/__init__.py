@@ -11,16 +11,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "connect"]
+__all__ = ["__version__", "connect", "listen"]
 
 if TYPE_CHECKING:
-    from fapstream.client import connect
+    from fapstream.client import connect, listen
 
 
 def __getattr__(name: str) -> object:
     """Load the client only when it is asked for: the pure rooms do without sockets."""
-    if name == "connect":
-        from fapstream.client import connect
+    if name in ("connect", "listen"):
+        from fapstream import client
 
-        return connect
+        return getattr(client, name)
     raise AttributeError(name)

@@ -5,36 +5,35 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
-from typing import Literal, Protocol, TypedDict, Unpack
+from dataclasses import replace
+from typing import Literal, TypedDict, Unpack
 
-from websockets.asyncio.client import connect as connect_socket
 from websockets.exceptions import ConnectionClosed
-from websockets.typing import Subprotocol
 
 from fapstream import __version__
-from fapstream.errors import FapstreamError, RemoteProtocolError
+from fapstream.client.line import Line
+from fapstream.errors import FapstreamError
 from fapstream.protocol import generated as g
-from fapstream.protocol.session import ClientSession, ServerEvent
+from fapstream.protocol.session import ServerEvent
 from fapstream.records import Packet
 
 OPEN_DEADLINE_S = 10.0
 
-TurnEvent = g.Begin | Packet | g.Done
+TurnEvent = g.Begin | Packet | g.Discard | g.Done
 
 
 class ServerError(FapstreamError):
-    """The server could not do something; `code` as in protocol/schema/errors.json."""
+    """The server could not do something; `code` as in protocol/schema/errors.json, or `connection_lost`."""
 
-    def __init__(self, code: str, message: str, fatal: bool, turn: int | None = None) -> None:
+    def __init__(
+        self, code: str, message: str, fatal: bool, turn: int | None = None, retry_ms: int | None = None
+    ) -> None:
         super().__init__(f"{code}: {message}")
         self.code = code
         self.fatal = fatal
         self.turn = turn
-
-
-class _Socket(Protocol):
-    async def send(self, message: bytes) -> None: ...
-    async def recv(self) -> bytes | str: ...
+        self.retry_ms = retry_ms
+        """When it may be tried again, if the server says so."""
 
 
 class Manner(TypedDict, total=False):
@@ -55,7 +54,9 @@ def _in_percent(manner: Manner) -> dict[str, int]:
 
 
 class Turn:
-    """A turn being spoken. Iterate over it for its `begin`, packets and `done`."""
+    """A turn being spoken. Iterate over it for its `begin`, packets and `done`; a `discard` makes void what
+    came before it, from its sample on.
+    """
 
     def __init__(self, talker: Talker, number: int) -> None:
         self.number = number
@@ -77,6 +78,25 @@ class Turn:
         """Stop; tells how much was heard. `heard`: samples, if the caller plays the sound itself."""
         await self._talker.send(g.Interrupt(turn=self.number, heard=heard))
         return await self.finished()
+
+    async def splice(self, char: int, text: str, heard: int | None = None) -> None:
+        """Revise the text: its first `char` code points stay, what follows is dropped as far as it was not
+        heard, and `text` comes instead. More may be appended; `end` has to be called again.
+        """
+        await self._talker.send(g.Splice(turn=self.number, char=char, heard=heard))
+        await self.append(text)
+
+    async def seek(self, back: int = 1, heard: int | None = None) -> None:
+        """Say it again from the beginning of the sentence being heard (0), or so many before it."""
+        await self._talker.send(g.Seek(turn=self.number, back=back, heard=heard))
+
+    async def pause(self, heard: int | None = None) -> None:
+        """Stop after what was heard."""
+        await self._talker.send(g.Pause(turn=self.number, heard=heard))
+
+    async def go_on(self) -> None:
+        """Go on after a pause."""
+        await self._talker.send(g.Continue(turn=self.number))
 
     async def finished(self) -> g.Done:
         """Wait until the turn is over. Packets not taken yet are thrown away."""
@@ -104,26 +124,33 @@ class Turn:
 
 
 class Talker:
-    """A session with a server. Turns are spoken in the order in which they are opened."""
+    """A session with a server. Turns are spoken in the order in which they are opened. When the connection
+    is lost it goes on over another one, and nobody notices.
+    """
 
-    def __init__(self, socket: _Socket) -> None:
-        self._socket = socket
-        self._session = ClientSession()
+    def __init__(self, url: str, hello: g.Hello) -> None:
+        self._hello = hello
+        self._line = Line(url, self._first, self._take)
         self._turns: dict[int, Turn] = {}
         self._last = 0
         self._broken: BaseException | None = None
         self._ready: asyncio.Future[g.Ready] = asyncio.get_running_loop().create_future()
+        self._newest: g.Ready | None = None
 
-    async def open(self, hello: g.Hello) -> g.Ready:
-        """Say hello; returns what the server can do."""
-        await self.send(hello)
+    async def open(self) -> g.Ready:
+        """Wait for the server's greeting."""
         async with asyncio.timeout(OPEN_DEADLINE_S):
-            return await self._ready
+            return await asyncio.shield(self._ready)
 
     @property
     def ready(self) -> g.Ready:
         """What the server can do."""
         return self._ready.result()
+
+    @property
+    def connections(self) -> int:
+        """How many connections it took so far."""
+        return self._line.connections
 
     async def speak(
         self,
@@ -154,36 +181,34 @@ class Talker:
         await self.send(g.Ack(turn=turn.number, sample=sample, queue=queue, underruns=0, skew=0))
 
     async def send(self, message: g.ClientMessage) -> None:
-        """Raises LocalProtocolError, ConnectionClosed, and what ended the session if it is over."""
+        """Raises LocalProtocolError, and what ended the session if it is over."""
         if self._broken:
             raise self._broken
-        await self._socket.send(self._session.send(message))
+        await self._line.send(message)
 
-    async def listen(self) -> None:
-        """Take what the server sends until the connection ends."""
-        try:
-            while self._session.state != "closed":
-                data = await self._socket.recv()
-                if isinstance(data, str):
-                    raise RemoteProtocolError("messages are binary frames")
-                for event in self._session.receive(data):
-                    self._take(event)
-        except (ConnectionClosed, RemoteProtocolError) as e:
-            self._fail(e)
+    async def run(self) -> None:
+        """Take what the server sends until the session is over."""
+        why = await self._line.run()
+        self._fail(why or ServerError("bye", "the session is over", fatal=True))
+
+    def _first(self) -> g.Hello:
+        if self._newest is None or self._newest.resume is None:
+            return self._hello
+        return replace(self._hello, resume=self._newest.resume, received=self._line.session.received)
 
     def _take(self, event: ServerEvent) -> None:
         match event:
             case g.Ready():
-                self._ready.set_result(event)
+                self._greet(event)
             case g.Error():
-                error = ServerError(event.code, event.message, event.fatal, event.turn)
+                error = ServerError(event.code, event.message, event.fatal, event.turn, event.retry_ms)
                 if event.fatal or not self._ready.done():
                     self._fail(error)
                 elif turn := self._turns.get(event.turn or 0):
                     turn.put(error)
             case g.Bye():
                 self._fail(ServerError("bye", event.reason or "the server said goodbye", fatal=True))
-            case g.Begin() | Packet() | g.Done():
+            case g.Begin() | Packet() | g.Discard() | g.Done():
                 if turn := self._turns.get(event.turn):
                     turn.put(event)
                 if isinstance(event, g.Done):
@@ -191,10 +216,18 @@ class Talker:
             case _:
                 pass
 
+    def _greet(self, ready: g.Ready) -> None:
+        again, self._newest = self._newest is not None, ready
+        if again and not ready.resumed:
+            self._fail(ServerError("connection_lost", "the server does not know the session any more", True))
+        elif not self._ready.done():
+            self._ready.set_result(ready)
+
     def _fail(self, error: BaseException) -> None:
         self._broken = self._broken or error
         if not self._ready.done():
             self._ready.set_exception(error)
+            self._ready.exception()  # whoever waits is told; nobody has to
         for turn in self._turns.values():
             turn.put(error)
         self._turns.clear()
@@ -202,23 +235,32 @@ class Talker:
 
 @asynccontextmanager
 async def connect(
-    url: str, *, lang: str | None = None, voice: str | None = None, fps: Literal[25, 50] = 25
+    url: str,
+    *,
+    lang: str | None = None,
+    voice: str | None = None,
+    fps: Literal[25, 50] = 25,
+    token: str | None = None,
+    channel: str | None = None,
+    share: bool = False,
 ) -> AsyncIterator[Talker]:
     """A session with the server at `url`, such as `ws://127.0.0.1:8765/ws`.
 
+    `channel`: speak into this channel of the server. `share`: let others listen; `ready` says how.
+
     Raises OSError or a websockets exception if there is no such server, ServerError if it refuses.
     """
-    async with connect_socket(
-        url, subprotocols=[Subprotocol(g.SUBPROTOCOL)], compression=None, max_size=g.MAX_MESSAGE_BYTES
-    ) as socket:
-        talker = Talker(socket)
-        listener = asyncio.create_task(talker.listen())
-        try:
-            hello = g.Hello(client=f"fapstream {__version__}", lang=lang, voice=voice, fps=fps)
-            await talker.open(hello)
-            yield talker
-        finally:
-            with suppress(ConnectionClosed, FapstreamError):
-                await talker.send(g.Bye())
-            listener.cancel()
-            await asyncio.gather(listener, return_exceptions=True)
+    hello = g.Hello(
+        client=f"fapstream {__version__}", lang=lang, voice=voice, fps=fps, token=token, channel=channel,
+        share=share or None,
+    )  # fmt: skip
+    talker = Talker(url, hello)
+    runner = asyncio.create_task(talker.run())
+    try:
+        await talker.open()
+        yield talker
+    finally:
+        with suppress(FapstreamError, ConnectionClosed, OSError):
+            await talker.send(g.Bye())
+        runner.cancel()
+        await asyncio.gather(runner, return_exceptions=True)

@@ -253,7 +253,7 @@ class Lobby:
         """Tell everyone that the server goes down."""
         goodbyes = [guest.conversation.goodbye(reason) for guest in self._guests.values()]
         for there in self._channels.values():
-            goodbyes += [link.close(1001, reason) for link in there.listeners.values()]
+            goodbyes += [_part(link, reason) for link in there.listeners.values()]
         await asyncio.gather(*goodbyes, return_exceptions=True)
 
     async def aclose(self) -> None:
@@ -271,6 +271,11 @@ class Lobby:
         task = asyncio.create_task(work)
         self._lingering.add(task)
         task.add_done_callback(self._lingering.discard)
+
+
+async def _part(link: Link, reason: str) -> None:
+    link.write(encode(g.Bye(reason=reason)))
+    await link.close(1001, reason)
 
 
 async def _let_go(link: Link) -> None:
