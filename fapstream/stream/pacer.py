@@ -13,7 +13,7 @@ FIRST_S, BUILD_UP = 0.3, 2.5
 reached. Whoever begins leaves time to those who speak, and less is made in vain if it is interrupted."""
 
 
-GROUP_S = 0.16
+GROUP_S = 0.32
 """Packets leave together by so much sound: with a second in store nobody hears that, and it spares half the
 work of sending."""
 

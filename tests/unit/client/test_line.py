@@ -20,9 +20,11 @@ from tests.unit.fakes import FakeVoices, fake_app
 @asynccontextmanager
 async def over_a_link() -> AsyncIterator[tuple[str, Link]]:
     """The address of a server behind a link that can be cut."""
-    async with running(fake_app(FakeVoices()), Address()) as server:
-        async with Link(address(server).removeprefix("ws://").removesuffix("/ws")) as link:
-            yield f"ws://{link.address}/ws", link
+    async with (
+        running(fake_app(FakeVoices()), Address()) as server,
+        Link(address(server).removeprefix("ws://").removesuffix("/ws")) as link,
+    ):
+        yield f"ws://{link.address}/ws", link
 
 
 async def test_a_turn_goes_on_over_another_connection() -> None:
@@ -42,7 +44,20 @@ async def test_a_turn_goes_on_over_another_connection() -> None:
                 if cuts == 2:
                     await turn.end()
         assert talker.connections == 3
-        assert words(got) == ["This", "is", "the", "beginning", "and", "it", "goes", "on", "once", "goes", "on", "twice"]
+        assert words(got) == [
+            "This",
+            "is",
+            "the",
+            "beginning",
+            "and",
+            "it",
+            "goes",
+            "on",
+            "once",
+            "goes",
+            "on",
+            "twice",
+        ]
 
 
 async def test_what_was_not_sent_when_it_broke_is_sent_again() -> None:
@@ -78,21 +93,24 @@ async def test_a_server_that_does_not_come_back_is_given_up(monkeypatch: pytest.
 
 
 async def test_a_listener_whose_connection_breaks_misses_nothing() -> None:
-    async with over_a_link() as (url, link), listen(url, "news") as audience:
-        async with connect(url, channel="news") as talker:
-            turn = await talker.say("One two three four five six seven eight nine ten eleven twelve.")
-            spoken = asyncio.create_task(_all(turn))
-            got: list[Packet] = []
-            async for event in audience:
-                if isinstance(event, Packet):
-                    assert event.start == sum(len(p.pcm) for p in got)
-                    got.append(event)
-                    if len(got) == 10:
-                        link.cut()
-                if isinstance(event, g.Done):
-                    break
-            assert sum(len(p.pcm) for p in got) == sum(len(p.pcm) for p in await spoken)
-            assert words(got) == words(await spoken)
+    async with (
+        over_a_link() as (url, link),
+        listen(url, "news") as audience,
+        connect(url, channel="news") as talker,
+    ):
+        turn = await talker.say("One two three four five six seven eight nine ten eleven twelve.")
+        spoken = asyncio.create_task(_all(turn))
+        got: list[Packet] = []
+        async for event in audience:
+            if isinstance(event, Packet):
+                assert event.start == sum(len(p.pcm) for p in got)
+                got.append(event)
+                if len(got) == 10:
+                    link.cut()
+            if isinstance(event, g.Done):
+                break
+        assert sum(len(p.pcm) for p in got) == sum(len(p.pcm) for p in await spoken)
+        assert words(got) == words(await spoken)
 
 
 async def _all(turn: AsyncIterator[object]) -> list[Packet]:
