@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.benchmarks.load import Tally, Talker, cpu_s, raise_file_limit
+from tests.benchmarks.load import Talker, Tally, cpu_s, raise_file_limit
 from tests.benchmarks.server import server
 
 VOICES = [("us1", "en"), ("us2", "en"), ("en1", "en"), ("gr2", "el")]
