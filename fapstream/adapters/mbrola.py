@@ -235,7 +235,7 @@ class MbrolaSynthesizer:
             try:
                 if self._restarts > MAX_RESTARTS:
                     complaint = dead.complaint.decode("ascii", "replace").strip()
-                    raise SynthesisError(f"MBROLA died {self._restarts} times in one turn: {complaint}")
+                    raise SynthesisError(f"MBROLA died {self._restarts} times in one phrase: {complaint}")
                 self._process = None
                 process = self._process = await self._pool.replaced(self._voice, dead)
             except SynthesisError as error:

@@ -160,6 +160,7 @@ class Connection:
             self._service.clock.now,
             lambda level: meter.count("dropped", label=level),
         )
+        self._link.keep_little()
         try:
             name = secrets.token_hex(8)
             self._link.write(encode(replace(ready(self._service, name, 25), channel=wish.channel)))

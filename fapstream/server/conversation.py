@@ -285,14 +285,15 @@ class Conversation:
         await self._room()
         while True:
             await turn.going.wait()
-            await clock.sleep_until(pacer.due(packet.start, clock.now()))
+            due = pacer.due(packet.start, clock.now())
+            await clock.sleep_until(due)
             if turn.going.is_set():
                 break
         valid = turn.still_valid(packet, cuts)
         if valid is None:
             return
         end, now = valid.start + len(valid.pcm), clock.now()
-        self._measure(turn, now - max(came, pacer.due(packet.start, now)), now)
+        self._measure(turn, now - max(came, due), now)
         turn.sent = end
         pacer.sent(valid.start, end, now)
         data, key = self.session.send_packet(valid)

@@ -44,6 +44,9 @@ class Link(Protocol):
     def write_framed(self, frame: bytes) -> None:
         """Send what `framed` made of a message; returns at once."""
 
+    def keep_little(self) -> None:
+        """Have the system keep little back, so that `backlog` tells how slow the other side is."""
+
     async def drain(self) -> None:
         """Wait until little is waiting. Raises ConnectionClosed."""
 
@@ -89,7 +92,7 @@ class WebSocketLink:
             self._transport.write(frames)
 
     def keep_little(self) -> None:
-        """Have the system keep little back, so that `backlog` tells how slow the other side is."""
+        """See Link."""
         raw = self._transport.get_extra_info("socket")
         with suppress(OSError, AttributeError):
             raw.setsockopt(sockets.SOL_SOCKET, sockets.SO_SNDBUF, KERNEL_BYTES)

@@ -61,6 +61,9 @@ class FakeLink:
     def write_framed(self, frame: bytes) -> None:
         self.write(unframed(frame))
 
+    def keep_little(self) -> None:
+        pass
+
     async def drain(self) -> None:
         await self.reads.wait()
         if self.closed:

@@ -85,7 +85,7 @@ async def test_a_session_goes_on_through_another_worker(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("key", ["1.unknown", "7.gone", "0.unknown"])
 async def test_a_session_that_nobody_has_begins_anew(tmp_path: Path, key: str) -> None:
-    async with two_workers(tmp_path) as (first, _, gate):
+    async with two_workers(tmp_path) as (first, _, _gate):
         socket, ready = await dial(first, g.Hello(resume=key, received=5))
         assert not ready.resumed
         await socket.close()
