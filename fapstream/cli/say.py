@@ -146,7 +146,7 @@ async def _run(talk: Talk, text: str, sink: Sink, sound: Sound | None) -> None:
 
 async def _play(sound: Sound, packet: Packet) -> None:
     """Hand it over, and wait until little of it is left to be heard."""
-    sound.push(TURN, packet.pcm, packet.hold)
+    sound.push(TURN, packet.start, packet.pcm, packet.hold)
     end = packet.start + len(packet.pcm)
     while end - _heard(sound) > PLAY_LEAD_S * sound.sample_rate:
         await asyncio.sleep(0.01)

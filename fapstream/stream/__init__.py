@@ -9,6 +9,7 @@ from fapstream.stream.loudness import Loudness
 from fapstream.stream.pacer import Pacer
 from fapstream.stream.packetizer import PACKET_MS, Packetizer
 from fapstream.stream.playback import Playback
+from fapstream.stream.player import PlayerStats
 
 __all__ = [
     "PACKET_MS",
@@ -18,6 +19,7 @@ __all__ = [
     "Pacer",
     "Packetizer",
     "Playback",
+    "PlayerStats",
     "SaidWord",
     "SaidWords",
     "TurnBuffer",

@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Literal
 
-State = Literal["playing", "waiting", "starved", "over"]
+State = Literal["playing", "waiting", "starved", "paused", "over"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +20,16 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """From frame `frame` of the card on, the turn is played from `sample`, or is in another state."""
+    """From frame `frame` of the card on, the turn is played from `sample`, or is in another state.
+
+    `pace`: samples that go by in one frame; 1 but where a period is left out (2) or said twice (0).
+    """
 
     state: State
     turn: int
     frame: int
     sample: int
+    pace: int = 1
 
 
 class HeardMap:
@@ -46,5 +50,5 @@ class HeardMap:
         if not reports or frame < reports[0].frame:
             return None
         report = reports[0]
-        ahead = frame - report.frame if report.state == "playing" else 0.0
+        ahead = (frame - report.frame) * report.pace if report.state == "playing" else 0.0
         return Heard(report.turn, report.sample + ahead, report.state)

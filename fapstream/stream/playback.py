@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fapstream.records import Pcm
 from fapstream.stream.clock import OutputClock
-from fapstream.stream.heard import Heard, HeardMap, Report
+from fapstream.stream.heard import Heard, HeardMap
 from fapstream.stream.player import Player
 
 
@@ -13,10 +13,8 @@ class Playback:
 
     def __init__(self, sample_rate: int) -> None:
         self.sample_rate = sample_rate
-        self.player = Player(sample_rate, self._take)
-        self.underruns = 0
-        """Times the sound ran dry although the text had not."""
         self._map = HeardMap()
+        self.player = Player(sample_rate, self._map.apply)
         self._clock = OutputClock()
         self._frame = 0
 
@@ -31,7 +29,3 @@ class Playback:
         """What is heard at `now` of the same clock; None before the first sound."""
         seconds = self._clock.heard(now, self._frame / self.sample_rate)
         return self._map.at(seconds * self.sample_rate)
-
-    def _take(self, report: Report) -> None:
-        self.underruns += report.state == "starved"
-        self._map.apply(report)

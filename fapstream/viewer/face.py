@@ -22,6 +22,8 @@ MOOD_S, HEAD_S, EYES_S, LIDS_S = 0.6, 0.7, 0.06, 0.16
 """How long what was shown before lasts: moods and heads take their time, eyes leap."""
 TURN_S, REST_S = 0.15, 0.35
 """The same for the mouth, which is at the disposal of a turn that begins and comes to rest softly."""
+LEAP_S = 0.1
+"""The heard sample has leapt if it is further on, or back, than time and this much account for."""
 LONGEST_STEP_S = 0.25
 """Idle life takes no longer steps: after a halt it does not catch up on its blinks."""
 
@@ -40,7 +42,9 @@ class FaceMixer:
         for columns, fade in ((MOOD, MOOD_S), (HEAD, HEAD_S), (EYES, EYES_S), (self._lids, LIDS_S)):
             self._fades[columns] = fade
         self._shown, self._offset = np.zeros(N_FAPS), np.zeros(N_FAPS)
-        self._source: tuple[int | None, bool] | None = None
+        self._source: tuple[int | None, bool, int] | None = None
+        self._heard: Heard | None = None
+        self._leaps = 0
         self._since = self._lived = 0.0
         self._time: float | None = None
 
@@ -50,17 +54,25 @@ class FaceMixer:
         self._time = now
         self._since += step
         self._lived += min(step, LONGEST_STEP_S)
-        if buffer is None or heard is None or heard.state == "over":
+        if buffer is None or heard is None or not _tells(buffer, heard):
             target, lives, turn = np.zeros(N_FAPS), True, None
         else:
+            self._watch(buffer, heard, step)
             target, lives, turn = buffer.face(heard.sample), heard.state == "waiting", heard.turn
         if lives and self._life is not None:
             still = np.zeros(N_FAPS)
             idle = mix(Streams(Mouth(still), still, still, self._life.at(self._lived)))
             target[self._alive] = idle[self._alive]
-        return self._blend(target, (turn, lives))
+        return self._blend(target, (turn, lives, self._leaps))
 
-    def _blend(self, target: Face, source: tuple[int | None, bool]) -> Face:
+    def _watch(self, buffer: TurnBuffer, heard: Heard, step: float) -> None:
+        """A leap of what is heard is caught up with like another turn."""
+        last, self._heard = self._heard, heard
+        if last is not None and last.turn == heard.turn:
+            on = (heard.sample - last.sample) / buffer.sample_rate
+            self._leaps += not -LEAP_S <= on <= step + LEAP_S
+
+    def _blend(self, target: Face, source: tuple[int | None, bool, int]) -> Face:
         if source != self._source:
             self._offset = np.zeros(N_FAPS) if self._source is None else self._shown - target
             self._source, self._since = source, 0.0
@@ -69,3 +81,8 @@ class FaceMixer:
         self._shown = target + self._offset * left
         self._shown[self._lids] = np.minimum(self._shown[self._lids], self._shut)
         return self._shown
+
+
+def _tells(buffer: TurnBuffer, heard: Heard) -> bool:
+    """Does the turn have the face? Where sound or frames are missing it comes to rest, and lives."""
+    return heard.state in ("playing", "waiting") and buffer.holds(heard.sample)

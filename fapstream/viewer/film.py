@@ -38,7 +38,7 @@ def film(clip: Clip, studio: Studio, folder: Path, fps: float, told: Told = lamb
 
 def faces(clip: Clip, fps: float) -> Iterator[NDArray[np.float64]]:
     """The face (68,) of each picture; after the last FAP frame it eases to neutral."""
-    buffer, mixer = TurnBuffer(), FaceMixer(None)
+    buffer, mixer = TurnBuffer(clip.sample_rate), FaceMixer(None)
     buffer.push(clip.packet(1))
     for k in range(picture_count(clip, fps)):
         sample = k * clip.sample_rate / fps

@@ -57,19 +57,19 @@ class Show:
 
     # --- what is said
 
-    def begin(self, turn: int, sample_rate: int) -> None:
-        """A turn is going to be heard."""
+    def begin(self, turn: int, sample_rate: int, live: bool = False) -> None:
+        """A turn is going to be heard. `live`: it is sent as it is said, see Voice."""
         if self._sound and self._sound.sample_rate != sample_rate:
             self.close()
         self._sound = self._sound or Sound(sample_rate, self._open)
-        self._buffers[turn] = TurnBuffer()
-        self._sound.begin(turn)
+        self._buffers[turn] = TurnBuffer(sample_rate)
+        self._sound.begin(turn, live)
 
     def push(self, packet: Packet) -> None:
         """More of a turn."""
         if self._sound and packet.turn in self._buffers:
             self._buffers[packet.turn].push(packet)
-            self._sound.push(packet.turn, packet.pcm, packet.hold)
+            self._sound.push(packet.turn, packet.start, packet.pcm, packet.hold)
 
     def end(self, turn: int) -> None:
         """The turn is complete."""

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from fapstream.adapters.audio import BUFFER_MS, AudioUnavailable, Output, Render
 from fapstream.records import Pcm
-from fapstream.stream import Heard, Playback
+from fapstream.stream import Heard, Playback, PlayerStats
 
 BUSY_BUFFER_MS = 100
 
@@ -82,17 +82,23 @@ class Sound:
     @property
     def underruns(self) -> int:
         """Times that it ran dry."""
-        return self._playback.underruns
+        return self.stats.underruns
 
-    def begin(self, turn: int) -> None:
+    @property
+    def stats(self) -> PlayerStats:
         """See Player."""
         with self._lock:
-            self._playback.player.begin(turn)
+            return self._playback.player.stats
 
-    def push(self, turn: int, pcm: Pcm, hold: bool) -> None:
+    def begin(self, turn: int, live: bool = False) -> None:
         """See Player."""
         with self._lock:
-            self._playback.player.push(turn, pcm, hold)
+            self._playback.player.begin(turn, live)
+
+    def push(self, turn: int, sample: int, pcm: Pcm, hold: bool) -> None:
+        """See Player."""
+        with self._lock:
+            self._playback.player.push(turn, sample, pcm, hold)
 
     def end(self, turn: int) -> None:
         """See Player."""

@@ -15,7 +15,7 @@ def test_what_is_heard_lags_behind_what_was_fetched_by_the_cards_latency() -> No
     playback = Playback(RATE)
     assert playback.heard(0.0) is None
     playback.player.begin(1)
-    playback.player.push(1, np.full(RATE, 900, np.int16))
+    playback.player.push(1, 0, np.full(RATE, 900, np.int16))
     playback.player.end(1)
     for k in range(60):
         playback.render(160, k * 0.01 + LATENCY_S)
@@ -31,13 +31,13 @@ def test_what_is_heard_lags_behind_what_was_fetched_by_the_cards_latency() -> No
     end = playback.heard(99.0)
     assert end is not None
     assert (end.sample, end.state) == (RATE, "over")
-    assert playback.underruns == 0
+    assert playback.player.stats.underruns == 0
 
 
 def test_running_dry_is_counted() -> None:
     playback = Playback(RATE)
     playback.player.begin(1)
-    playback.player.push(1, np.ones(2000, np.int16))
+    playback.player.push(1, 0, np.ones(2000, np.int16))
     for k in range(40):
         playback.render(160, k * 0.01)
-    assert playback.underruns == 1
+    assert playback.player.stats.underruns == 1

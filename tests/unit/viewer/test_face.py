@@ -19,7 +19,7 @@ def at(sample: float, state: State = "playing") -> Heard:
 
 @pytest.fixture
 def buffer() -> TurnBuffer:
-    found = TurnBuffer()
+    found = TurnBuffer(16_000)
     for k in range(10):
         values = np.zeros(68, np.int32)
         values[JAW], values[PITCH] = 100 * k, 5000
@@ -63,12 +63,50 @@ def test_it_never_jumps_where_a_turn_begins_waits_goes_on_and_ends(buffer: TurnB
     assert (most[mixer._alive] > 0).all()
 
 
-def test_it_stands_still_while_starved_and_lives_while_the_text_has_run_dry(buffer: TurnBuffer) -> None:
+@pytest.mark.parametrize("state", ["starved", "paused"])
+def test_the_mouth_comes_to_rest_where_the_sound_stops_and_softly_back(
+    buffer: TurnBuffer, state: State
+) -> None:
+    mixer = FaceMixer(1)
+    mixer.show(buffer, at(5000), 0)
+    silent = [mixer.show(buffer, at(5120, state), t)[JAW] for t in np.arange(0.01, 1, 0.01)]
+    assert max(-np.diff([800, *silent])) < 50
+    assert silent[2] > 700, "not at once"
+    assert silent[-1] == 0
+    heads = [mixer.show(buffer, at(5120, state), t)[PITCH] for t in (2, 3)]
+    assert heads[0] != heads[1], "it lives"
+    back = [mixer.show(buffer, at(5120 + 160 * k), 3 + k / 100)[JAW] for k in range(17)]
+    assert max(np.abs(np.diff([0, *back]))) < 130
+    assert back[-1] == 900
+
+
+def test_a_frame_is_held_for_a_moment_where_others_are_missing_then_the_mouth_rests(
+    buffer: TurnBuffer,
+) -> None:
+    mixer = FaceMixer(1)
+    shown = [mixer.show(buffer, at(5760 + 16_000 * t), t)[JAW] for t in np.arange(0, 1, 0.01)]
+    assert shown[11] == 900
+    assert shown[60] == 0
+    assert max(np.abs(np.diff(shown))) < 60
+
+
+def test_a_leap_of_what_is_heard_is_no_leap_of_the_lips(buffer: TurnBuffer) -> None:
+    for k in range(50, 60):
+        values = np.zeros(68, np.int32)
+        values[JAW] = 800
+        buffer.push(Packet(1, 640 * k, np.zeros(640, np.int16), (FapFrame(640 * k, values),)))
+    mixer = FaceMixer(1)
+    mixer.show(buffer, at(0), 0)
+    shown = [mixer.show(buffer, at(640 * 50 + 160 * k), 0.01 * (k + 1))[JAW] for k in range(20)]
+    assert shown[0] < 50
+    assert max(np.diff(shown)) < 110
+    assert shown[-1] == 800
+
+
+def test_it_lives_while_the_text_has_run_dry(buffer: TurnBuffer) -> None:
     mixer = FaceMixer(1)
     mixer.show(buffer, at(640), 0)
     mixer.show(buffer, at(640), 1)
-    starved = [mixer.show(buffer, at(640, "starved"), t) for t in (5, 9)]
-    assert np.array_equal(*starved)
     mixer.show(buffer, at(640, "waiting"), 10)
     dry = mixer.show(buffer, at(640, "waiting"), 11)
     assert dry[PITCH] != 5000
@@ -107,7 +145,7 @@ def test_lids_never_go_through_each_other(buffer: TurnBuffer) -> None:
     """A blink of the turn that ends in one of idle life."""
     mixer, shut = FaceMixer(1), np.zeros(68, np.int32)
     shut[18] = 2000
-    turn = TurnBuffer()
+    turn = TurnBuffer(16_000)
     turn.push(Packet(1, 0, np.zeros(640, np.int16), (FapFrame(0, shut),)))
     assert mixer.show(turn, at(0), 0)[18] == mixer._shut[0]
 

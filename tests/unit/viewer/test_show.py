@@ -98,9 +98,9 @@ def test_the_server_is_told_what_is_heard_how_late_the_face_is_and_what_ran_dry(
     show = show_of(Screen(), clock)
     show.begin(1, RATE)
     assert show.ack(1) is None
-    show.push(Packet(1, 0, np.full(RATE // 2, 5, np.int16)))
+    show.push(Packet(1, 0, np.full(RATE * 4 // 5, 5, np.int16)))
     play(show, clock, 0.2)
-    assert show.ack(1) == Ack(turn=1, sample=3200, queue=4800, underruns=0, skew=0)
+    assert show.ack(1) == Ack(turn=1, sample=3200, queue=9600, underruns=0, skew=0)
     assert show.ack(2) is None
     late = show._renderer.deform
     show._renderer.deform = lambda values: (late(values), setattr(clock, "now", clock.now + 0.02))  # type: ignore[method-assign]

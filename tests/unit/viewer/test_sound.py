@@ -46,7 +46,7 @@ def test_what_is_heard_follows_the_devices_clock() -> None:
     card = cards[0]
     assert playing.heard() is None
     playing.begin(1)
-    playing.push(1, np.arange(8000).astype(np.int16), hold=False)
+    playing.push(1, 0, np.arange(8000).astype(np.int16), hold=False)
     playing.end(1)
     for _ in range(60):
         card.fetch(160)

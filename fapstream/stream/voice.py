@@ -1,0 +1,136 @@
+"""One turn as it is played: when it may start, how loud it is, and how it keeps its store.
+
+Twin of clients/web/src/stream/voice.ts. Frames are the sound card's, which has the turn's sample rate.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fapstream.records import Pcm
+from fapstream.stream.jitter import Jitter, steer
+from fapstream.stream.line import Knot, Line
+
+FADE_OUT_S = 0.02
+FADE_IN_S = 0.003
+FADE_BACK_S = 0.01
+"""A turn that goes on within a sound comes back more softly than one that begins."""
+SPEECH_EVERY, QUIET_EVERY = 20, 2
+"""After a change, this many times its length passes unchanged: 5 % in speech, half of a pause."""
+RETRY_S = 0.01
+OVERDUE_S = 0.06
+"""A packet that does not come for so long is missing."""
+SCANT_S = 0.25
+"""With less than this above the target in store, and a packet overdue, time is gained."""
+
+
+class Voice:
+    """`live`: the talk is sent in real time, and a store larger than needed is latency."""
+
+    def __init__(self, turn: int, live: bool, rate: int, jitter: Jitter) -> None:
+        self.turn, self.live = turn, live
+        self.line = Line(rate)
+        self.held = self.ended = self.stopped = self.playing = self.started = False
+        self.gain = 0.0
+        self.told: Knot | None = None
+        """What the listener's map was told last."""
+        self.dry: int | None = None
+        """The frame since which sound is missing."""
+        self._rate, self._jitter = rate, jitter
+        self._rise = 1 / (FADE_IN_S * rate)
+        self._arrived = 0
+        self._level_s: float | None = None
+        self._free = 0
+        """Where in the line the next change may be."""
+
+    # --- in
+
+    def push(self, sample: int, pcm: Pcm, hold: bool, frame: int) -> bool:
+        """More of the turn, at `frame`; True if it came too late."""
+        if self.line.next is None or self.held:
+            self._jitter.restart()
+        before = self.line.queued
+        late = self.line.push(sample, pcm) > 0 and self._note(before, frame)
+        self.held = hold
+        return late
+
+    def discard(self, sample: int) -> None:
+        """See Line.discard. What replaces it is sent when it is there."""
+        self.line.discard(sample)
+        self.held = False
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """The sender's time has stopped or leapt; what was known of it is worth nothing."""
+        self._jitter.restart()
+        self._level_s = self.dry = None
+
+    def _note(self, before: int, frame: int) -> bool:
+        """New sound has come at `frame`, when `before` samples were in store. Is it late?"""
+        self._arrived = frame
+        now = frame / self._rate
+        if self.dry is not None and before == 0:
+            self._jitter.underrun((frame - self.dry) / self._rate)
+        if self.live and self.line.next is not None:
+            lateness = self._jitter.observe(self.line.next / self._rate, now)
+            self._level_s = self.line.queued / self._rate + lateness
+        else:
+            self._jitter.ease(now)
+        return self.dry is not None and frame - self.dry >= before
+
+    # --- out
+
+    @property
+    def startable(self) -> bool:
+        """Is enough in store?"""
+        enough = self.held or self.line.queued >= self._jitter.target_s * self._rate
+        return self.ended or (self.line.queued > 0 and enough)
+
+    def start(self) -> None:
+        """From now on it is heard."""
+        if self.started:
+            self._rise = 1 / (FADE_BACK_S * self._rate)
+        self.started = self.playing = True
+        self.dry, self.gain = None, 0.0
+
+    def rest(self) -> None:
+        """It is no longer heard."""
+        self.playing = False
+        self.line.rest()
+
+    def take(self, n: int, fading: bool) -> Pcm:
+        """At most n samples; none if there are none, or once it has faded away."""
+        step = -1 / (FADE_OUT_S * self._rate) if fading else self._rise
+        if fading:
+            n = min(n, int(np.ceil(self.gain / -step)))
+        pcm = self.line.take(n)
+        if len(pcm) and (self.gain < 1.0 or fading):
+            gains = np.clip(self.gain + step * np.arange(1, len(pcm) + 1), 0.0, 1.0)
+            self.gain = float(gains[-1])
+            pcm = np.rint(pcm * gains).astype(np.int16)
+        return pcm
+
+    def fit(self, frame: int) -> int:
+        """Shorten or lengthen what comes next, if the store asks for it; by how many samples."""
+        way = self._wish(frame) if self.line.at >= self._free else 0
+        if way == 0:
+            return 0
+        change = self.line.alter(way)
+        if change is None:
+            self._free = self.line.at + round(RETRY_S * self._rate)
+            return 0
+        size = abs(change.samples)
+        self._free = self.line.at + size * (QUIET_EVERY if change.quiet else SPEECH_EVERY)
+        if self._level_s is not None:
+            self._level_s += change.samples / self._rate
+        return size
+
+    def _wish(self, frame: int) -> int:
+        if self.ended or self.stopped:
+            return 0
+        target_s = self._jitter.target_s
+        way = 0 if self._level_s is None else steer(self._level_s, target_s)
+        overdue = frame - self._arrived > OVERDUE_S * self._rate
+        if overdue and self.line.queued < (target_s + SCANT_S) * self._rate:
+            way = 1
+        return 0 if self.held and way > 0 else way
