@@ -126,7 +126,7 @@ class Line:
         """Say a period twice (1) or leave one out (-1), from `at` on; None if that would be heard."""
         _, longest = stretch.periods(self._rate)
         low, high = max(self._base, self.at - longest), min(self.end, self.at + 2 * longest)
-        if self.knot.index > low or any(self.at < knot.index < high for knot in self._knots):
+        if any(low < knot.index < high for knot in self._knots):
             return None
         sound, at = self._float(low, high), self.at - low
         lag, quiet = _lag(sound, at, -way, self._rate)
@@ -177,7 +177,9 @@ class Line:
     def _tie(self, knot: Knot) -> None:
         while self._knots and self._knots[-1].index >= knot.index:
             self._knots.pop()
-        self._knots.append(knot)
+        last = self._knots[-1] if self._knots else None
+        if last is None or last.pace != knot.pace or _sample(last, knot.index) != knot.sample:
+            self._knots.append(knot)
 
     def _holding(self, index: int) -> Knot:
         return [knot for knot in self._knots if knot.index <= index][-1]

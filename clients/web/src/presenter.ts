@@ -36,6 +36,11 @@ export interface Stats {
   skewMs: number | null;
   queueMs: number;
   underruns: number;
+  /** Packets that came when their sound should have been heard; sound in the player, what it aims at, and what it left out or said twice. */
+  late: number;
+  storeMs: number;
+  targetMs: number;
+  stretchedMs: number;
   fps: number;
 }
 
@@ -57,7 +62,9 @@ export class Presenter {
   private shown: Heard | null = null;
   private drawnAt = 0;
   private lead = 0;
-  private stats: Stats = { latencyMs: null, skewMs: null, queueMs: 0, underruns: 0, fps: 0 };
+  private stats: Stats = {
+    latencyMs: null, skewMs: null, queueMs: 0, underruns: 0, late: 0, storeMs: 0, targetMs: 0, stretchedMs: 0, fps: 0,
+  };
   private measured = 0;
   private told = 0;
 
@@ -186,7 +193,8 @@ export class Presenter {
   }
 
   private report(report: Report): void {
-    if (report.kind === "pause" && report.underrun) this.conversation.underruns++;
+    if (report.kind === "pause" && report.state === "starved") this.conversation.underruns++;
+    if (report.kind === "tick") Object.assign(this.stats, report.stats);
     this.beat();
   }
 

@@ -6,7 +6,7 @@
 import { ProtocolError } from "../protocol/codec";
 import { LIMITS, type Begin, type ClientMessage, type Done, type Hello, type Packet, type Ready, type ServerMessage } from "../protocol/generated";
 import { ClientSession } from "../protocol/session";
-import { TurnBuffer } from "../stream/buffer";
+import { TurnBuffer, type Frame } from "../stream/buffer";
 import type { Heard } from "../stream/heard";
 import type { Command } from "../stream/player";
 import { HeadFault, Turn, type SpeakOptions, type TurnDesk, type TurnEnd } from "./turn";
@@ -264,8 +264,9 @@ export class Conversation implements TurnDesk {
   private feed(packet: Packet): void {
     const live = this.live.get(packet.turn);
     if (!live?.buffer || live.stopping) return;
-    live.buffer.push(packet);
-    this.ports.sound({ kind: "pcm", turn: packet.turn, pcm: packet.pcm, hold: packet.hold ?? false });
+    const { turn, sample, pcm, marks = [], hold = false } = packet;
+    live.buffer.push({ sample, pcm, marks, frames: framesOf(packet, live.buffer.begin, this.ready!.faps.length) });
+    this.ports.sound({ kind: "pcm", turn, sample, pcm, hold });
   }
 
   private finish(done: Done): void {
@@ -316,4 +317,12 @@ export class Conversation implements TurnDesk {
   private send(message: ClientMessage): void {
     this.ports.send(this.session.send(message));
   }
+}
+
+/** The packet's FAP frames, `width` values each: frame k of the turn holds at sample k * sample_rate / fps. */
+function framesOf({ sample, faps }: Packet, { fps, sample_rate }: Begin, width: number): Frame[] {
+  const first = Math.ceil((sample * fps) / sample_rate);
+  return Array.from({ length: faps.length / width }, (_, k) => (
+    { sample: ((first + k) * sample_rate) / fps, values: faps.subarray(k * width, (k + 1) * width) }
+  ));
 }

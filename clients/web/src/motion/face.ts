@@ -14,6 +14,8 @@ const FADE_S = { mood: 0.6, head: 0.7, eyes: 0.06, lids: 0.16 };
 const MOUTH_FADE_S = { turn: 0.15, rest: 0.35 };
 /** Brows, cheeks and nose. */
 const MOOD_FAPS = [31, 32, 33, 34, 35, 36, 37, 38, 41, 42, 61, 62, 63, 64];
+/** The heard sample has leapt if it is further on, or back, than time and this much account for. */
+const LEAP_S = 0.1;
 /** Idle life takes no longer steps than this: a page that was hidden does not catch up on its blinks. */
 const LONGEST_STEP_S = 0.25;
 
@@ -30,6 +32,8 @@ export class Face {
   private since = 0;
   private time = -1;
   private lived = 0;
+  private heard: Heard | null = null;
+  private leaps = 0;
 
   constructor(seed: number) {
     this.life = new IdleLife(seed, "listen");
@@ -43,14 +47,25 @@ export class Face {
     this.time = now;
     this.lived += Math.min(step, LONGEST_STEP_S);
     this.since += step;
-    const holds = buffer !== null && heard !== null;
-    if (holds) buffer.face(heard.sample, this.target);
-    else this.target.fill(0);
+    const holds = buffer !== null && heard !== null && tells(buffer, heard);
+    if (holds) {
+      this.watch(buffer, heard, step);
+      buffer.face(heard.sample, this.target);
+    } else this.target.fill(0);
     const lives = !holds || heard.state === "waiting";
     if (lives && !calm) this.life.write(this.lived, this.target);
     if (calm) for (const fap of [...HEAD_FAPS, ...EYE_FAPS]) this.target[fap] = 0;
-    this.blend(`${holds ? heard.turn : "nobody"} ${lives} ${calm}`, holds ? MOUTH_FADE_S.turn : MOUTH_FADE_S.rest);
+    this.blend(`${holds ? heard.turn : "nobody"} ${lives} ${calm} ${this.leaps}`, holds ? MOUTH_FADE_S.turn : MOUTH_FADE_S.rest);
     return this.values;
+  }
+
+  /** A leap of what is heard is caught up with like another turn. */
+  private watch({ begin }: TurnBuffer, heard: Heard, step: number): void {
+    const last = this.heard;
+    this.heard = heard;
+    if (last?.turn !== heard.turn) return;
+    const on = (heard.sample - last.sample) / begin.sample_rate;
+    if (on < -LEAP_S || on > step + LEAP_S) this.leaps++;
   }
 
   private blend(source: string, mouth: number): void {
@@ -65,4 +80,9 @@ export class Face {
     }
     for (const [fap, shut] of LIDS) this.values[fap] = Math.min(this.values[fap], shut);
   }
+}
+
+/** Does the turn have the face? Where sound or frames are missing it comes to rest, and lives. */
+function tells(buffer: TurnBuffer, { sample, state }: Heard): boolean {
+  return (state === "playing" || state === "waiting") && buffer.holds(sample);
 }

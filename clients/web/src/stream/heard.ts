@@ -1,13 +1,13 @@
 /** From the processor's reports to the sample being heard: the clock that the picture follows. */
 
-import type { Report } from "./player";
+import type { Halt, Report } from "./player";
 
 export interface Heard {
   turn: number;
   /** Sample of the turn, which may lie between two. */
   sample: number;
-  /** `waiting`: the sound has stopped and will go on. */
-  state: "playing" | "waiting" | "starved" | "over";
+  /** See Halt of the player; in every state but `playing` the sample stands. */
+  state: "playing" | Halt | "over";
 }
 
 interface Span {
@@ -28,9 +28,11 @@ export class HeardMap {
   apply(report: Report): void {
     if (report.kind === "play") {
       const { turn, frame, sample, rate } = report;
+      const span = this.spans.at(-1);
+      if (span) span.end = Math.min(span.end, frame);
       this.spans.push({ turn, frame, sample, step: rate / this.contextRate, end: Infinity, after: "waiting" });
     } else if (report.kind === "pause") {
-      this.close(report, report.underrun ? "starved" : "waiting");
+      this.close(report, report.state);
     } else if (report.kind === "over") {
       this.close(report, "over");
     }

@@ -1,110 +1,85 @@
 /**
  * What the sound processor does, without the sound card: turns in, context frames out, and reports
- * that say which sample of which turn is rendered at which context frame.
+ * that say which sample of which turn is rendered at which context frame. Twin of fapstream/stream/player.py.
  */
 
-import { interpolate, kernel, type Kernel } from "./resample";
+import { Jitter } from "./jitter";
+import { fall, type Sound } from "./stretch";
+import { Voice } from "./voice";
 
+/**
+ * `pcm` begins at `sample`; `live`: see Voice. `discard`: what was not played from `sample` on is not to be played, the next
+ * push goes on there. `pause`: fall silent, and go on with the next sample when it is over.
+ */
 export type Command =
-  | { kind: "begin"; turn: number; rate: number }
-  | { kind: "pcm"; turn: number; pcm: Int16Array; hold: boolean }
+  | { kind: "begin"; turn: number; rate: number; live?: boolean }
+  | { kind: "pcm"; turn: number; sample: number; pcm: Int16Array; hold: boolean }
+  | { kind: "discard"; turn: number; sample: number }
   | { kind: "end"; turn: number }
-  | { kind: "stop"; turn: number };
+  | { kind: "stop"; turn: number }
+  | { kind: "pause"; on: boolean };
 
-/** `sample` (which may lie between two) is rendered at context frame `frame`. */
+/** How it goes. `storeMs` is of the turn being played; `stretchedMs` what was left out or said twice. */
+export interface PlayerStats {
+  underruns: number;
+  late: number;
+  storeMs: number;
+  targetMs: number;
+  stretchedMs: number;
+}
+
+/**
+ * `sample` (which may lie between two) is rendered at context frame `frame`. From `play` on `rate` samples go by in a
+ * second: the turn's rate, twice as many where a period is left out, none where one is said twice.
+ */
 export type Report =
   | { kind: "play"; turn: number; frame: number; sample: number; rate: number }
-  | { kind: "pause"; turn: number; frame: number; sample: number; underrun: boolean }
+  | { kind: "pause"; turn: number; frame: number; sample: number; state: Halt }
   | { kind: "over"; turn: number; frame: number; sample: number }
-  | { kind: "tick"; frame: number };
+  | { kind: "tick"; frame: number; stats: PlayerStats };
 
-/** Sound in store before it starts, or starts again, in seconds. */
-export const PREBUFFER_S = 0.08;
-const FADE_OUT_S = 0.02;
-const FADE_IN_S = 0.003;
+/** `waiting`: the text has run dry; `starved`: the sound has; `paused`: somebody wants it so. */
+export type Halt = "waiting" | "starved" | "paused";
+
 const TICK_FRAMES = 2048;
-/** A cut-off sound dies away by this factor a frame instead of clicking. */
-const DECAY = 0.985;
-
-class Voice {
-  private data = new Float32Array(1 << 15);
-  /** Sample number of data[0]. The signal is 0 before sample 0. */
-  private base: number;
-  received = 0;
-  ended = false;
-  held = false;
-  stopped = false;
-  playing = false;
-  gain = 1;
-  /** Position times context rate: an integer, so that nothing drifts. */
-  position = 0;
-  private readonly kernel: Kernel;
-
-  constructor(readonly turn: number, readonly rate: number, private readonly contextRate: number) {
-    this.kernel = kernel(rate, contextRate);
-    this.base = -this.kernel.half;
-  }
-
-  get sample(): number {
-    return this.position / this.contextRate;
-  }
-
-  get startable(): boolean {
-    const queued = this.received - this.sample;
-    return this.ended || (queued > 0 && (this.held || queued >= PREBUFFER_S * this.rate));
-  }
-
-  push(pcm: Int16Array, hold: boolean): void {
-    this.reserve(pcm.length + this.kernel.half + 1);
-    const end = this.received - this.base;
-    for (let i = 0; i < pcm.length; i++) this.data[end + i] = pcm[i] / 32768;
-    this.received += pcm.length;
-    this.held = hold;
-  }
-
-  /** Frames that can be rendered now; the filter looks ahead unless there is nothing to wait for. */
-  get frames(): number {
-    const limit = this.ended || this.held ? this.received : this.received - this.kernel.half;
-    return Math.max(0, Math.ceil((limit * this.contextRate - this.position) / this.rate));
-  }
-
-  next(): number {
-    const index = Math.floor(this.position / this.contextRate);
-    const fraction = this.position / this.contextRate - index;
-    this.position += this.rate;
-    return interpolate(this.kernel, this.data, index - this.base, fraction);
-  }
-
-  /** Room for `more` samples after the last, forgetting what the filter needs no longer; zeros follow the signal. */
-  private reserve(more: number): void {
-    const used = this.received - this.base;
-    if (used + more <= this.data.length) return;
-    const keep = Math.floor(this.sample) - this.kernel.half - this.base;
-    const fresh = used + more - keep > this.data.length ? new Float32Array(2 * (used + more)) : this.data;
-    fresh.set(this.data.subarray(keep, used));
-    fresh.fill(0, used - keep);
-    this.data = fresh;
-    this.base += keep;
-  }
-}
+/** How a sound dies away that breaks off: at the end of what there is, and where more should have come. */
+const FALL_S = 0.005;
+const STARVED_FALL_S = 0.04;
+const PAST_S = 0.035;
 
 export class Player {
   private readonly queue: Voice[] = [];
-  private last = 0;
+  private readonly jitter = new Jitter();
+  /** What was rendered last. */
+  private readonly past: Float32Array;
+  /** Sound that dies away. */
+  private tail: Sound = new Float32Array(0);
+  private paused = false;
+  /** The one to be rendered next. */
+  private frame = 0;
   private tick = 0;
+  private readonly counts = { underruns: 0, late: 0, stretchedMs: 0 };
 
-  constructor(private readonly contextRate: number, private readonly report: (report: Report) => void) {}
+  constructor(private readonly contextRate: number, private readonly report: (report: Report) => void) {
+    this.past = new Float32Array(Math.round(PAST_S * contextRate));
+  }
 
   handle(command: Command): void {
     if (command.kind === "begin") {
-      this.queue.push(new Voice(command.turn, command.rate, this.contextRate));
+      this.queue.push(new Voice(command.turn, command.live ?? false, command.rate, this.contextRate, this.jitter));
       return;
     }
+    if (command.kind === "pause") return this.pause(command.on);
     const voice = this.queue.find(({ turn }) => turn === command.turn);
     if (!voice) return;
-    if (command.kind === "pcm") voice.push(command.pcm, command.hold);
+    if (command.kind === "pcm") this.counts.late += Number(voice.push(command.sample, command.pcm, command.hold, this.frame));
+    else if (command.kind === "discard") voice.discard(command.sample);
     else if (command.kind === "end") voice.ended = true;
     else voice.stopped = true;
+  }
+
+  get stats(): PlayerStats {
+    return { ...this.counts, storeMs: 1000 * (this.queue[0]?.storeS ?? 0), targetMs: 1000 * this.jitter.targetS };
   }
 
   /** Fill `out`, whose first sample is context frame `frame`. */
@@ -115,46 +90,98 @@ export class Player {
       if (!voice.playing && !this.start(voice, frame + at)) break;
       if (voice.playing) at = this.play(voice, out, at, frame);
     }
-    for (; at < out.length; at++) out[at] = this.last *= DECAY;
+    out.fill(0, at);
+    this.sink(out, at, out.length);
+    this.remember(out);
+    this.frame = frame + out.length;
     if (this.queue.length && frame >= this.tick) {
       this.tick = frame + TICK_FRAMES;
-      this.report({ kind: "tick", frame });
+      this.report({ kind: "tick", frame, stats: this.stats });
     }
+  }
+
+  private pause(on: boolean): void {
+    if (on === this.paused) return;
+    this.paused = on;
+    for (const voice of this.queue) voice.interrupt();
+    const [voice] = this.queue;
+    if (voice?.started && !voice.playing) this.tell(voice, this.frame, on ? "paused" : "waiting");
   }
 
   /** False if there is nothing to do for this turn yet. */
   private start(voice: Voice, frame: number): boolean {
     if (voice.stopped) return this.leave(voice, frame);
-    if (!voice.startable) return false;
-    voice.playing = true;
-    voice.gain = 0;
-    this.report({ kind: "play", turn: voice.turn, frame, sample: voice.sample, rate: voice.rate });
+    if (this.paused || !voice.startable) return false;
+    voice.start();
+    voice.told = null;
+    this.follow(voice, frame);
     return true;
   }
 
+  /** Fill `out` from `from` on as far as this turn goes; where that is. */
   private play(voice: Voice, out: Float32Array, from: number, frame: number): number {
-    const to = Math.min(out.length, from + voice.frames);
-    const step = voice.stopped ? -1 / (FADE_OUT_S * this.contextRate) : 1 / (FADE_IN_S * this.contextRate);
+    const fading = voice.stopped || this.paused;
     let at = from;
-    for (; at < to && (voice.gain > 0 || step > 0); at++) {
-      voice.gain = Math.min(1, Math.max(0, voice.gain + step));
-      out[at] = this.last = voice.next() * voice.gain;
+    while (at < out.length) {
+      if (!fading) this.counts.stretchedMs += 1000 * voice.fit(frame + at);
+      this.follow(voice, frame + at);
+      const to = voice.take(out, at, fading);
+      if (to === at) {
+        this.halt(voice, out.subarray(0, at), frame + at);
+        break;
+      }
+      this.sink(out, at, to);
+      at = to;
     }
-    if (at < out.length) this.halt(voice, frame + at);
     return at;
   }
 
-  /** The sound stops at `frame`: the turn is over, or has to wait for more. */
-  private halt(voice: Voice, frame: number): void {
-    voice.playing = false;
-    if (voice.stopped || voice.ended) this.leave(voice, frame);
-    else this.report({ kind: "pause", turn: voice.turn, frame, sample: voice.sample, underrun: !voice.held });
+  /** Tell what is played from here on, if that is not what was to be expected. */
+  private follow(voice: Voice, frame: number): void {
+    const { knot } = voice.line;
+    if (knot === voice.told) return;
+    voice.told = knot;
+    this.report({ kind: "play", turn: voice.turn, frame, sample: voice.sample, rate: voice.rate * knot.pace });
+  }
+
+  /** The sound stops at `frame`, after `out`: the turn is over, or has to wait for more. */
+  private halt(voice: Voice, out: Float32Array, frame: number): void {
+    const dry = voice.frames === 0;
+    voice.rest();
+    if (voice.stopped || (dry && voice.ended)) this.leave(voice, frame);
+    else if (this.paused || voice.held) this.tell(voice, frame, this.paused ? "paused" : "waiting");
+    else {
+      this.counts.underruns++;
+      voice.dry = frame;
+      this.tell(voice, frame, "starved");
+    }
+    if (voice.gain <= 0) return;
+    const past = this.remember(out, new Float32Array(this.past.length));
+    this.tail = fall(past, this.contextRate, voice.dry === null ? FALL_S : STARVED_FALL_S);
   }
 
   private leave(voice: Voice, frame: number): true {
     this.queue.shift();
-    const sample = Math.min(voice.sample, voice.received);
+    const sample = Math.min(voice.sample, voice.line.next ?? 0);
     this.report({ kind: "over", turn: voice.turn, frame, sample });
     return true;
+  }
+
+  private tell(voice: Voice, frame: number, state: Halt): void {
+    this.report({ kind: "pause", turn: voice.turn, frame, sample: voice.sample, state });
+  }
+
+  /** Add what dies away to `out`. */
+  private sink(out: Float32Array, from: number, to: number): void {
+    const n = Math.min(to - from, this.tail.length);
+    for (let k = 0; k < n; k++) out[from + k] += this.tail[k];
+    this.tail = this.tail.subarray(n);
+  }
+
+  private remember(out: Float32Array, into = this.past): Float32Array {
+    const n = Math.min(out.length, into.length);
+    into.set(this.past.subarray(n));
+    into.set(out.subarray(out.length - n), into.length - n);
+    return into;
   }
 }

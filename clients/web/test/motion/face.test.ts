@@ -11,11 +11,17 @@ const FAPS = Uint8Array.of(3, 19, 31, 23, 48);
 
 let buffer: TurnBuffer;
 let face: Face;
+
+/** Frame k, with the lips at `lips`. */
+function push(k: number, lips: number): void {
+  const values = Int32Array.of(lips, 0, 40, -3000, 5000);
+  buffer.push({ sample: 640 * k, pcm: new Int16Array(640), marks: [], frames: [{ sample: 640 * k, values }] });
+}
+
 beforeEach(() => {
   buffer = new TurnBuffer(BEGIN, FAPS);
   for (let k = 0; k < 10; k++) {
-    const faps = Int32Array.of(100 * k, 0, 40, -3000, 5000);
-    buffer.push({ type: "packet", turn: 1, sample: 640 * k, pcm: new Int16Array(640), faps });
+    push(k, 100 * k);
   }
   face = new Face(1);
 });
@@ -63,10 +69,38 @@ describe("Face", () => {
     for (const fap of IDLE_FAPS) expect(most.get(fap)! > 0).toBe(true);
   });
 
-  it("stands still while the sound is starved, and lives while the text has run dry", () => {
+  it.each(["starved", "paused"] as const)("comes to rest where the sound stops (%s), and softly back", (state) => {
+    face.show(buffer, at(5120), 0, false);
+    const fall = steps((t) => face.show(buffer, at(5120, state), t, false), 0.01, 1);
+    expect(fall.get(3)).toBeLessThan(50);
+    expect(face.values[3]).toBe(0);
+    const idle = face.show(buffer, at(5120, state), 2, false)[48];
+    expect(face.show(buffer, at(5120, state), 3, false)[48]).not.toBe(idle);
+    const rise = steps((t) => face.show(buffer, at(5120 + 16000 * (t - 3)), t, false), 3, 3.17);
+    expect(rise.get(3)).toBeLessThan(130);
+    expect(face.values[3]).toBe(900);
+  });
+
+  it("holds a frame for a moment where others are missing, then rests", () => {
+    const shown: number[] = [];
+    for (let k = 0; k < 100; k++) shown.push(face.show(buffer, at(5760 + 160 * k), k / 100, false)[3]);
+    expect([shown[11], shown[60]]).toEqual([900, 0]);
+    expect(Math.max(...shown.slice(1).map((v, k) => Math.abs(v - shown[k])))).toBeLessThan(60);
+  });
+
+  it("follows a leap of what is heard without one of the lips", () => {
+    for (let k = 50; k < 60; k++) push(k, 800);
+    face.show(buffer, at(0), 0, false);
+    const shown: number[] = [];
+    for (let k = 0; k < 20; k++) shown.push(face.show(buffer, at(640 * 50 + 160 * k), (k + 1) / 100, false)[3]);
+    expect(shown[0]).toBeLessThan(50);
+    expect(Math.max(...shown.slice(1).map((v, k) => v - shown[k]))).toBeLessThan(110);
+    expect(shown[19]).toBe(800);
+  });
+
+  it("lives while the text has run dry", () => {
     face.show(buffer, at(640), 0, false);
     face.show(buffer, at(640), 1, false);
-    expect([...face.show(buffer, at(640, "starved"), 5, false)]).toEqual([...face.show(buffer, at(640, "starved"), 9, false)]);
     face.show(buffer, at(640, "waiting"), 10, false);
     expect(face.show(buffer, at(640, "waiting"), 11, false)[48]).not.toBe(5000);
     expect(face.values[3]).toBe(100);

@@ -15,9 +15,9 @@ describe("HeardMap", () => {
     expect(map().at(1001.5)?.sample).toBeCloseTo(0.5);
   });
 
-  it.each([[true, "starved"], [false, "waiting"]])("stands still in a pause (underrun: %s)", (underrun, state) => {
+  it.each(["starved", "waiting", "paused"] as const)("stands still in a pause (%s)", (state) => {
     const heard = map();
-    heard.apply({ kind: "pause", turn: 1, frame: 4000, sample: 1000, underrun });
+    heard.apply({ kind: "pause", turn: 1, frame: 4000, sample: 1000, state });
     expect(heard.at(3997)).toMatchObject({ sample: 999, state: "playing" });
     expect(heard.at(9000)).toEqual({ turn: 1, sample: 1000, state });
     heard.apply({ kind: "play", turn: 1, frame: 10000, sample: 1000, rate: 16000 });
@@ -45,5 +45,15 @@ describe("HeardMap", () => {
   it("finds the frame of a sample", () => {
     expect(map().frameOf(1, 16000)).toBe(49000);
     expect(map().frameOf(2, 0)).toBeNull();
+  });
+
+  it("passes twice as fast where a period is left out, and stands where one is said twice", () => {
+    const heard = map();
+    for (const [frame, sample, rate] of [[4000, 1000, 32000], [4300, 1200, 16000], [7000, 2100, 0], [7300, 2100, 16000]]) {
+      heard.apply({ kind: "play", turn: 1, frame, sample, rate });
+    }
+    expect(heard.frameOf(1, 1100)).toBe(4150);
+    expect(heard.frameOf(1, 2110)).toBe(7330);
+    expect([3997, 4150, 4300, 6997, 7150, 7303].map((frame) => heard.at(frame)?.sample)).toEqual([999, 1100, 1200, 2099, 2100, 2101]);
   });
 });
