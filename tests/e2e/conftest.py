@@ -34,7 +34,7 @@ def card(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
 @pytest.fixture(scope="session")
 def address() -> Iterator[str]:
     """A running server."""
-    with server() as found:
+    with server() as (found, _):
         yield found
 
 

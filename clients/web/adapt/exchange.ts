@@ -3,7 +3,7 @@
  * newest waits. So a drag, however fast, is never more than one answer behind.
  */
 
-import type { ClientMessage, HeadUp, PhotoUp, PointsUp, ServerMessage } from "./wire";
+import type { Asked, HeadUp, PhotoUp, PointsUp, ServerMessage } from "./wire";
 
 /** A request before it has a number. */
 export type Request = PhotoUp | Omit<PointsUp, "seq"> | Omit<HeadUp, "seq">;
@@ -14,11 +14,11 @@ type Kind = (typeof ORDER)[number];
 
 export class Exchange {
   private readonly waiting = new Map<Kind, Request>();
-  private current: ClientMessage | null = null;
+  private current: Asked | null = null;
   private seq = 0;
   private open = false;
 
-  constructor(private readonly send: (message: ClientMessage) => void) {}
+  constructor(private readonly send: (message: Asked) => void) {}
 
   /** Is a photo, or a head, being worked at or waiting? */
   busy(kind: Kind): boolean {
@@ -76,7 +76,7 @@ function kindOf(request: Request): Kind {
 }
 
 /** An error names the request that it is about by its number or its photo; one that names neither is about the only one. */
-function concerns({ seq, view }: { seq?: number; view?: string }, current: ClientMessage): boolean {
+function concerns({ seq, view }: { seq?: number; view?: string }, current: Asked): boolean {
   if (seq !== undefined) return current.type !== "photo" && current.seq === seq;
   return view === undefined || current.type !== "photo" || current.view === view;
 }

@@ -20,7 +20,9 @@ export interface Hello { type: "hello"; token?: string }
 export interface PhotoUp { type: "photo"; view: ViewName; data: Uint8Array }
 export interface PointsUp { type: "points"; seq: number; front: Marks; profile?: Marks; method?: string }
 export interface HeadUp extends Omit<PointsUp, "type"> { type: "head"; name?: string }
-export type ClientMessage = Hello | PhotoUp | PointsUp | HeadUp;
+/** What is answered. */
+export type Asked = PhotoUp | PointsUp | HeadUp;
+export type ClientMessage = Hello | Asked;
 
 export function encode(message: ClientMessage): Uint8Array<ArrayBuffer> {
   return pack(new Map(Object.entries(message).map(([name, value]) => [name, value instanceof Map ? packMarks(value) : value])));

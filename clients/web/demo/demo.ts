@@ -34,6 +34,16 @@ const rate = find<HTMLInputElement>("rate");
 const live = find<HTMLInputElement>("live");
 const speak = find<HTMLButtonElement>("speak");
 const stop = find<HTMLButtonElement>("stop");
+const pause = find<HTMLButtonElement>("pause");
+const back = find<HTMLButtonElement>("back");
+
+/** What the address says behind `#`: a token where the server asks for one, and a channel to listen to. */
+const wishes = new URLSearchParams(location.hash.slice(1));
+for (const name of ["token", "channel"]) {
+  const value = wishes.get(name);
+  if (value) head.setAttribute(name, value);
+}
+document.querySelector<HTMLElement>(".panel")!.hidden = wishes.has("channel");
 
 let voices: Voice[] = [];
 let lang = navigator.language.startsWith("el") ? "el" : "en";
@@ -104,7 +114,8 @@ function watch(turn: Turn): Turn {
 
 function busy(change: number): void {
   speaking += change;
-  stop.disabled = speaking === 0;
+  stop.disabled = pause.disabled = back.disabled = speaking === 0;
+  if (speaking === 0) pause.setAttribute("aria-pressed", "false");
 }
 
 function status(state: "on" | "off" | "wait", message: string): void {
@@ -156,6 +167,13 @@ live.addEventListener("change", () => {
 });
 face.addEventListener("change", () => head.setAttribute("head", face.value));
 rate.addEventListener("input", () => (find("rate-value").textContent = `${Number(rate.value).toFixed(2)}×`));
+pause.addEventListener("click", () => {
+  const on = pause.getAttribute("aria-pressed") !== "true";
+  pause.setAttribute("aria-pressed", String(on));
+  if (on) head.pause();
+  else head.continue();
+});
+back.addEventListener("click", () => head.seek(0));
 stop.addEventListener("click", () => ((typed = null), void head.interrupt()));
 find("snippet").textContent =
   `<script type="module" src="${location.origin}/fap-head.js"></script>\n<fap-head id="head" captions></fap-head>\n<script type="module">\n  const head = document.getElementById("head");\n  head.addEventListener("ready", () => head.speak("Hello!"));\n</script>`;

@@ -18,7 +18,7 @@ const HOME = import.meta.url;
 let heads = 0;
 
 export class FapHead extends HTMLElement {
-  static readonly observedAttributes = ["src", "head", "fps", "capture", "antialias", "captions", "controls"];
+  static readonly observedAttributes = ["src", "head", "fps", "capture", "antialias", "captions", "controls", "token", "channel", "prefer", "share"];
 
   private readonly root = this.attachShadow({ mode: "open" });
   private readonly seed = ++heads;
@@ -81,6 +81,10 @@ export class FapHead extends HTMLElement {
       ...this.addresses(),
       fps: this.getAttribute("fps") === "50" ? 50 as const : 25 as const,
       seed: this.seed,
+      token: this.getAttribute("token") ?? undefined,
+      channel: this.getAttribute("channel") ?? undefined,
+      prefer: this.getAttribute("prefer") === "face" ? "face" as const : undefined,
+      share: this.hasAttribute("share"),
       capture: this.hasAttribute("capture"),
       antialias: ANTIALIAS[this.getAttribute("antialias") ?? ""] ?? null,
     };
@@ -172,6 +176,21 @@ export class FapHead extends HTMLElement {
   /** Fall silent at once; tells how far the turn being heard had come. Null if nothing was being said. */
   async interrupt(): Promise<TurnEnd | null> {
     return (await this.presenter?.conversation.interruptAll()) ?? null;
+  }
+
+  /** What is being said stops where it is, until `continue`. */
+  pause(): void {
+    this.talking?.pause();
+  }
+
+  /** Say it again from the beginning of the sentence being heard (0), or so many sentences before it. */
+  seek(back = 1): void {
+    this.talking?.seek(back);
+  }
+
+  /** Go on after `pause`. */
+  continue(): void {
+    this.talking?.continue();
   }
 
   // --- what the page is told

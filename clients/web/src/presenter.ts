@@ -3,7 +3,7 @@
  * calls `frame` when there is a picture to draw and `beat` when there may be none.
  */
 
-import { Conversation } from "./client/conversation";
+import { Conversation, type Wish } from "./client/conversation";
 import { HeadFault } from "./client/turn";
 import { Sound } from "./io/audio";
 import { loadHead } from "./io/heads";
@@ -26,6 +26,13 @@ export interface PresenterOptions extends StageOptions {
   workletUrl: string;
   fps: 25 | 50;
   seed: number;
+  token?: string | undefined;
+  /** Listen to this channel instead of speaking. */
+  channel?: string | undefined;
+  /** What a listener wants if the connection is too slow for sound and face. */
+  prefer?: "sound" | "face" | undefined;
+  /** Let others listen; `ready` tells how. */
+  share?: boolean | undefined;
 }
 
 /** What the read-out shows; null where nothing was measured yet. */
@@ -75,7 +82,7 @@ export class Presenter {
     this.headUrl = options.headUrl;
     this.face = new Face(options.seed);
     this.socket = new Socket(options.socketUrl, SUBPROTOCOL, {
-      open: () => this.conversation.connected({ client: "fap-head 0.1.0", fps: options.fps }),
+      open: () => this.conversation.connected(this.wish()),
       message: (data) => this.conversation.received(data),
       close: (retryMs) => this.disconnected(retryMs),
     });
@@ -87,6 +94,13 @@ export class Presenter {
       now: () => performance.now(),
     });
     this.handOver.port1.onmessage = () => this.handedOver();
+  }
+
+  private wish(): Wish {
+    const { fps, token, channel, prefer, share } = this.options;
+    const who = { client: "fap-head 0.1.0", ...(token && { token }) };
+    if (channel) return { ...who, channel, ...(prefer && { prefer }) };
+    return { ...who, fps, ...(share && { share }) };
   }
 
   /** Open everything. What fails is announced as an `error` event. */
@@ -194,7 +208,10 @@ export class Presenter {
 
   private report(report: Report): void {
     if (report.kind === "pause" && report.state === "starved") this.conversation.underruns++;
-    if (report.kind === "tick") Object.assign(this.stats, report.stats);
+    if (report.kind === "tick") {
+      Object.assign(this.stats, report.stats);
+      this.conversation.late = report.stats.late;
+    }
     this.beat();
   }
 

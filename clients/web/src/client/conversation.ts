@@ -4,14 +4,16 @@
  */
 
 import { ProtocolError } from "../protocol/codec";
-import { LIMITS, type Begin, type ClientMessage, type Done, type Hello, type Packet, type Ready, type ServerMessage } from "../protocol/generated";
-import { ClientSession } from "../protocol/session";
-import { TurnBuffer, type Frame } from "../stream/buffer";
+import { LIMITS, type Begin, type ClientMessage, type Discard, type Done, type Hello, type Listen, type Live, type Ready } from "../protocol/generated";
+import { ClientSession, type ServerEvent, type Slice } from "../protocol/session";
+import { TurnBuffer } from "../stream/buffer";
 import type { Heard } from "../stream/heard";
 import type { Command } from "../stream/player";
 import { HeadFault, Turn, type SpeakOptions, type TurnDesk, type TurnEnd } from "./turn";
 
 const ACK_MS = 250;
+/** A listener has no credit to give: it only says how it fares. */
+const LISTENER_ACK_MS = 5000;
 const PING_MS = 10_000;
 const SILENT_MS = 30_000;
 /** Errors after which the server has forgotten the turn they name. */
@@ -30,8 +32,11 @@ export interface Ports {
   now(): number;
 }
 
+/** What a session is for: to speak, or to watch a channel. */
+export type Wish = Omit<Hello, "type" | "resume" | "received"> | Omit<Listen, "type" | "talk" | "turn" | "sample">;
+
 /** One turn on its way from `speak` to its last sample. */
-interface Live {
+interface Spoken {
   turn: Turn;
   buffer: TurnBuffer | null;
   done: Done | null;
@@ -47,7 +52,14 @@ export class Conversation implements TurnDesk {
   /** Picture minus sound in microseconds; whoever draws it says so. */
   skew = 0;
   private session = new ClientSession();
-  private readonly live = new Map<number, Live>();
+  private readonly live = new Map<number, Spoken>();
+  /** Packets that came when their sound should have been heard. */
+  late = 0;
+  private listens = false;
+  private talk: string | undefined;
+  /** The server's key to this session, as long as it may be resumed. */
+  private key: string | undefined;
+  private lostAt: number | null = null;
   private outbox: ClientMessage[] = [];
   private last = 0;
   private acked = 0;
@@ -63,25 +75,42 @@ export class Conversation implements TurnDesk {
 
   // --- the connection
 
-  connected(hello: Omit<Hello, "type">): void {
-    this.session = new ClientSession();
+  /** There is a connection: say what it is for, and go on where the one before it broke off. */
+  connected(wish: Wish): void {
     this.listened = this.pinged = this.ports.now();
-    this.send({ type: "hello", ...hello });
+    this.session.reconnect();
+    this.listens = "channel" in wish && !("fps" in wish);
+    if (this.listens) this.send({ ...(wish as Listen), type: "listen", ...this.place() });
+    else this.send({ type: "hello", ...wish, ...(this.key !== undefined && { resume: this.key, received: this.session.received }) });
   }
 
+  /** The connection is lost. What is being said is not, if it comes back soon. */
   disconnected(): void {
     this.ready = null;
-    this.session = new ClientSession();
+    this.lostAt ??= this.ports.now();
+    if (this.key === undefined && !this.listens) this.forget();
+  }
+
+  /** Say goodbye. */
+  leave(): void {
+    if (this.ready) this.send({ type: "bye" });
+    this.key = undefined;
+    this.disconnected();
+    this.forget();
+  }
+
+  /** The turns that the server knew are lost. */
+  private forget(): void {
     const unsent = new Set(this.outbox.map((message) => ("turn" in message ? message.turn : 0)));
     for (const id of [...this.live.keys()]) {
       if (!unsent.has(id)) this.fail(new HeadFault("connection_lost", "the connection to the server was lost", false, id));
     }
   }
 
-  /** Say goodbye. */
-  leave(): void {
-    if (this.ready) this.send({ type: "bye" });
-    this.disconnected();
+  /** A listener's: what it has of the talk that it hears. */
+  private place(): Partial<Listen> {
+    const [turn] = [...this.live.values()].reverse();
+    return this.talk === undefined || !turn?.buffer ? {} : { talk: this.talk, turn: turn.turn.id, sample: turn.buffer.received };
   }
 
   /** No turn can be heard, for this reason. */
@@ -105,6 +134,7 @@ export class Conversation implements TurnDesk {
   // --- what the page wants
 
   speak(text: string, options: SpeakOptions): Turn {
+    if (this.listens) throw new HeadFault("listening", "a head that listens to a channel does not speak");
     const turn = new Turn(++this.last, options, this);
     this.live.set(turn.id, { turn, buffer: null, done: null, heard: 0, char: 0, stopping: null });
     turn.append(text);
@@ -135,8 +165,10 @@ export class Conversation implements TurnDesk {
     const live = this.live.get(turn.id);
     if (!live || live.stopping) return turn.finished;
     this.ports.sound({ kind: "stop", turn: turn.id });
-    if (!this.ready || live.done || this.outbox.some((message) => "turn" in message && message.turn === turn.id)) {
+    const unsent = this.outbox.some((message) => message.type === "speak" && message.turn === turn.id);
+    if (!this.ready || this.listens || live.done || unsent) {
       this.outbox = this.outbox.filter((message) => !("turn" in message) || message.turn !== turn.id);
+      if (!this.ready && !unsent && !live.done) this.outbox.push({ type: "interrupt", turn: turn.id, heard: Math.floor(live.heard) });
       this.settle(live, this.cut(live));
       return turn.finished;
     }
@@ -150,6 +182,25 @@ export class Conversation implements TurnDesk {
   async interruptAll(): Promise<TurnEnd | null> {
     const ends = [...this.live.values()].map(({ turn }) => this.interrupt(turn));
     return (await Promise.allSettled(ends)).find((end) => end.status === "fulfilled")?.value ?? null;
+  }
+
+  splice(turn: Turn, char: number): void {
+    if (this.live.has(turn.id)) this.post({ type: "splice", turn: turn.id, char, ...this.heardOf(turn) });
+  }
+
+  seek(turn: Turn, back: number): void {
+    if (this.live.has(turn.id)) this.post({ type: "seek", turn: turn.id, back, ...this.heardOf(turn) });
+  }
+
+  pause(turn: Turn, on: boolean): void {
+    if (!this.live.has(turn.id)) return;
+    this.ports.sound({ kind: "pause", on });
+    this.post(on ? { type: "pause", turn: turn.id, ...this.heardOf(turn) } : { type: "continue", turn: turn.id });
+  }
+
+  private heardOf(turn: Turn): { heard?: number } {
+    const live = this.live.get(turn.id);
+    return live?.buffer ? { heard: Math.floor(live.heard) } : {};
   }
 
   // --- time
@@ -180,6 +231,7 @@ export class Conversation implements TurnDesk {
   /** `heard` is what is heard now. Tells the page what was reached, and the server four times a second. */
   advance(heard: Heard | null): void {
     const now = this.ports.now();
+    if (this.lostAt !== null && now - this.lostAt > LIMITS.linger_ms) this.giveUp();
     for (const live of [...this.live.values()]) {
       if (live.stopping && now > live.stopping.deadline) this.settle(live, this.cut(live));
       else if (heard && live.buffer && live.turn.id <= heard.turn) this.reach(live, heard);
@@ -187,7 +239,14 @@ export class Conversation implements TurnDesk {
     this.keepAlive();
   }
 
-  private reach(live: Live, heard: Heard): void {
+  /** The server keeps the session no longer. */
+  private giveUp(): void {
+    this.lostAt = null;
+    this.key = undefined;
+    this.forget();
+  }
+
+  private reach(live: Spoken, heard: Heard): void {
     const { turn, buffer } = live;
     if (live.stopping || !buffer) return;
     const over = turn.id < heard.turn || heard.state === "over";
@@ -195,7 +254,7 @@ export class Conversation implements TurnDesk {
       live.heard = Math.min(heard.sample, buffer.received);
       live.turn.settleStart(buffer.begin);
       this.pass(live, buffer);
-      if (!over && this.ports.now() - this.acked >= ACK_MS) this.ack(live, buffer);
+      if (!over && this.ports.now() - this.acked >= (this.listens ? LISTENER_ACK_MS : ACK_MS)) this.ack(live, buffer);
     }
     if (over && live.done) {
       live.heard = buffer.received;
@@ -205,18 +264,21 @@ export class Conversation implements TurnDesk {
   }
 
   /** The marks that were reached, as events. */
-  private pass(live: Live, buffer: TurnBuffer): void {
+  private pass(live: Spoken, buffer: TurnBuffer): void {
     for (const mark of buffer.take(live.heard)) {
       if (mark.kind === "word") live.char = mark.char_end ?? live.char;
       this.ports.emit(mark.kind, { turn: live.turn.id, ...mark });
     }
   }
 
-  private ack(live: Live, buffer: TurnBuffer): void {
+  private ack(live: Spoken, buffer: TurnBuffer): void {
+    if (!this.ready) return;
     this.acked = this.ports.now();
     const sample = Math.floor(live.heard);
     const queue = Math.max(0, buffer.received - sample);
-    this.send({ type: "ack", turn: live.turn.id, sample, queue, underruns: this.underruns, skew: Math.round(this.skew) });
+    const { underruns, late } = this;
+    const { received } = this.session;
+    this.send({ type: "ack", turn: live.turn.id, sample, queue, underruns, skew: Math.round(this.skew), received, late });
   }
 
   /** Ask now and then whether the server is still there; a question without an answer ends the connection. */
@@ -233,12 +295,17 @@ export class Conversation implements TurnDesk {
 
   // --- what the server says
 
-  private take(message: ServerMessage): void {
+  private take(message: ServerEvent): void {
     switch (message.type) {
       case "ready": return this.greet(message);
       case "begin": return this.open(message);
       case "packet": return this.feed(message);
       case "done": return this.finish(message);
+      case "discard": return this.discard(message);
+      case "live": return this.watch(message);
+      case "skip": return this.ports.emit("skip", { reason: message.reason });
+      case "pause": return this.ports.sound({ kind: "pause", on: true });
+      case "continue": return this.ports.sound({ kind: "pause", on: false });
       case "error": return this.complain(message);
       case "bye": return this.ports.drop();
       case "pong": return;
@@ -246,26 +313,61 @@ export class Conversation implements TurnDesk {
   }
 
   private greet(ready: Ready): void {
+    const back = this.lostAt !== null;
     this.ready = ready;
-    const { server, voices, heads, fps } = ready;
-    this.ports.emit("ready", { server, voices, heads, fps });
+    this.lostAt = null;
+    this.key = ready.resume;
+    if (back && !ready.resumed && !this.listens) this.forget();
+    for (const data of this.session.again) this.ports.send(data);
+    const { server, voices, heads, fps, channel, listen } = ready;
+    const resumed = ready.resumed ?? false;
+    this.ports.emit("ready", { server, voices, heads, fps, resumed, ...(channel && { channel }), ...(listen && { listen }) });
     for (const message of this.outbox.splice(0)) this.send(message);
   }
 
+  /** To a listener: who speaks. With another one, what was being said is over. */
+  private watch({ on, talk, channel }: Live): void {
+    if (talk !== this.talk || !on) {
+      for (const live of [...this.live.values()]) {
+        this.ports.sound({ kind: "stop", turn: live.turn.id });
+        this.settle(live, this.cut(live));
+      }
+    }
+    this.talk = talk;
+    this.ports.emit("live", { channel, on, ...(talk !== undefined && { talk }) });
+  }
+
   private open(begin: Begin): void {
+    if (this.listens) this.attend(begin.turn);
     const live = this.live.get(begin.turn);
-    if (!live || live.stopping || !this.ready) return;
+    if (!live || live.stopping || live.buffer || !this.ready) return;
     live.buffer = new TurnBuffer(begin, this.ready.faps);
-    this.ports.sound({ kind: "begin", turn: begin.turn, rate: begin.sample_rate });
+    this.ports.sound({ kind: "begin", turn: begin.turn, rate: begin.sample_rate, live: this.listens });
+    const { sample = 0, marks = [] } = begin;
+    if (marks.length) live.buffer.push({ sample, pcm: new Int16Array(0), frames: [], marks });
     const { voice, lang, sample_rate: sampleRate } = begin;
     this.ports.emit("begin", { turn: begin.turn, voice, lang, sampleRate });
   }
 
-  private feed(packet: Packet): void {
+  /** A turn of the talk that is listened to. */
+  private attend(id: number): void {
+    if (this.live.has(id)) return;
+    this.live.set(id, { turn: new Turn(id, {}, this), buffer: null, done: null, heard: 0, char: 0, stopping: null });
+  }
+
+  private discard({ turn, sample, char }: Discard): void {
+    const live = this.live.get(turn);
+    if (!live?.buffer || live.stopping) return;
+    live.buffer.discard(sample);
+    this.ports.sound({ kind: "discard", turn, sample });
+    this.ports.emit("revised", { turn, sample, char });
+  }
+
+  private feed(packet: Slice): void {
     const live = this.live.get(packet.turn);
     if (!live?.buffer || live.stopping) return;
-    const { turn, sample, pcm, marks = [], hold = false } = packet;
-    live.buffer.push({ sample, pcm, marks, frames: framesOf(packet, live.buffer.begin, this.ready!.faps.length) });
+    const { turn, sample, pcm, hold } = packet;
+    live.buffer.push(packet);
     this.ports.sound({ kind: "pcm", turn, sample, pcm, hold });
   }
 
@@ -288,12 +390,12 @@ export class Conversation implements TurnDesk {
   // --- the end of a turn
 
   /** How an interrupted turn ends if only this side can say. */
-  private cut(live: Live): TurnEnd {
+  private cut(live: Spoken): TurnEnd {
     const { turn, buffer, heard, char } = live;
     return { turn: turn.id, reason: "interrupted", samples: buffer?.received ?? 0, heard: Math.floor(heard), char };
   }
 
-  private settle(live: Live, { turn, reason, samples, heard, char }: TurnEnd): void {
+  private settle(live: Spoken, { turn, reason, samples, heard, char }: TurnEnd): void {
     this.live.delete(turn);
     const end: TurnEnd = { turn, reason, samples, ...(heard !== undefined && { heard }), ...(char !== undefined && { char }) };
     live.turn.settle(reason === "failed" ? new HeadFault("synthesis_failed", "the voice failed", false, turn) : end);
@@ -317,12 +419,4 @@ export class Conversation implements TurnDesk {
   private send(message: ClientMessage): void {
     this.ports.send(this.session.send(message));
   }
-}
-
-/** The packet's FAP frames, `width` values each: frame k of the turn holds at sample k * sample_rate / fps. */
-function framesOf({ sample, faps }: Packet, { fps, sample_rate }: Begin, width: number): Frame[] {
-  const first = Math.ceil((sample * fps) / sample_rate);
-  return Array.from({ length: faps.length / width }, (_, k) => (
-    { sample: ((first + k) * sample_rate) / fps, values: faps.subarray(k * width, (k + 1) * width) }
-  ));
 }

@@ -39,6 +39,9 @@ export interface TurnDesk {
   append(turn: Turn, bytes: Uint8Array): void;
   end(turn: Turn): void;
   interrupt(turn: Turn): Promise<TurnEnd>;
+  splice(turn: Turn, char: number): void;
+  seek(turn: Turn, back: number): void;
+  pause(turn: Turn, on: boolean): void;
 }
 
 /** Awaiting a turn waits until it has been heard to its end. */
@@ -81,6 +84,35 @@ export class Turn implements PromiseLike<TurnEnd> {
   /** Stop saying it. */
   interrupt(): Promise<TurnEnd> {
     return this.desk.interrupt(this);
+  }
+
+  /**
+   * Revise the text: its first `char` code points stay, what follows is dropped as far as it was not heard, and `text`
+   * comes instead; more may be appended. An `end` before it is undone.
+   */
+  splice(char: number, text: string): this {
+    this.writer.flush();
+    this.open = true;
+    this.desk.splice(this, char);
+    return this.append(text);
+  }
+
+  /** Say it again from the beginning of the sentence being heard (0), or so many sentences before it. */
+  seek(back = 1): this {
+    this.desk.seek(this, back);
+    return this;
+  }
+
+  /** Stop where it is. */
+  pause(): this {
+    this.desk.pause(this, true);
+    return this;
+  }
+
+  /** Go on after a pause. */
+  continue(): this {
+    this.desk.pause(this, false);
+    return this;
   }
 
   then<A = TurnEnd, B = never>(

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { Exchange, type Request } from "../../adapt/exchange";
 import type { Marks } from "../../adapt/marks";
-import type { ClientMessage, Fault, Fit, Head, Photo } from "../../adapt/wire";
+import type { Asked, Fault, Fit, Head, Photo } from "../../adapt/wire";
 
 const points = (x: number): Request => ({ type: "points", front: new Map([["9.3", { at: [x, 0] }]]) as Marks });
 const photo = (view: "front" | "profile"): Request => ({ type: "photo", view, data: Uint8Array.of(1) });
@@ -11,13 +11,13 @@ const picture = (view: "front" | "profile"): Photo => ({ type: "photo", view, wi
 const fault = (about: Partial<Fault>): Fault => ({ type: "error", code: "bad_points", message: "", fatal: false, ...about });
 
 function opened() {
-  const sent: ClientMessage[] = [];
+  const sent: Asked[] = [];
   const exchange = new Exchange((message) => sent.push(message));
   exchange.begin();
   return { exchange, sent };
 }
 
-const xs = (sent: ClientMessage[]) => sent.flatMap((message) => (message.type === "points" ? [message.front.get("9.3")!.at[0]] : []));
+const xs = (sent: Asked[]) => sent.flatMap((message) => (message.type === "points" ? [message.front.get("9.3")!.at[0]] : []));
 
 describe("Exchange", () => {
   it("has one points message on its way, and of those that wait only the newest", () => {
@@ -81,7 +81,7 @@ describe("Exchange", () => {
   });
 
   it("sends and keeps nothing while the server is not there", () => {
-    const sent: ClientMessage[] = [];
+    const sent: Asked[] = [];
     const exchange = new Exchange((message) => sent.push(message));
     exchange.ask(photo("front"));
     exchange.begin();

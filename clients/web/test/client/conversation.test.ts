@@ -34,6 +34,9 @@ const text = () => new TextDecoder().decode(Uint8Array.from(of("speak").flatMap(
 const heard = (turn: number, sample: number, state: Heard["state"] = "playing"): Heard => ({ turn, sample, state });
 const word = (sample: number, char_end: number): Mark => ({ kind: "word", sample, duration: 10, text: "w", char_start: 0, char_end });
 
+/** The fields of a packet whose one frame has this value. */
+const face = (value: number) => ({ mask: Uint8Array.of(1), faps: Int16Array.of(value), key: value === 0 });
+
 function connect(): void {
   talk.connected({});
   say(READY);
@@ -43,7 +46,7 @@ function begin(turn: number, packets = 0, marks: Mark[] = []): void {
   say({ type: "begin", turn, voice: "v", lang: "en", sample_rate: RATE, fps: 25 });
   for (let k = 0; k < packets; k++) {
     const pcm = new Int16Array(640).fill(1000);
-    say({ type: "packet", turn, sample: 640 * k, pcm, faps: Int32Array.of(k), ...(k === 0 && marks.length && { marks }) });
+    say({ type: "packet", turn, sample: 640 * k, pcm, ...face(k), ...(k === 0 && marks.length && { marks }) });
   }
 }
 
@@ -147,7 +150,7 @@ describe("interrupt", () => {
     expect(commands.at(-1)).toEqual({ kind: "stop", turn: 1 });
     expect(sent.at(-1)).toEqual({ type: "interrupt", turn: 1, heard: 1234 });
     expect(talk.bufferOf(heard(1, 1240))).toBeNull();
-    say({ type: "packet", turn: 1, sample: 6400, pcm: new Int16Array(640), faps: Int32Array.of(1) });
+    say({ type: "packet", turn: 1, sample: 6400, pcm: new Int16Array(640), ...face(1) });
     expect(commands.at(-1)).toEqual({ kind: "stop", turn: 1 });
     say({ type: "done", turn: 1, reason: "interrupted", samples: 7040, heard: 1234, char: 3 });
     expect(await stopped).toEqual({ turn: 1, reason: "interrupted", samples: 7040, heard: 1234, char: 3 });
@@ -236,7 +239,7 @@ describe("what goes wrong", () => {
     await expect(turn.finished).rejects.toMatchObject({ code: "synthesis_failed" });
   });
 
-  it.each([["rubbish", Uint8Array.of(0xc1)], ["a gap", encode({ type: "packet", turn: 1, sample: 99, pcm: new Int16Array(0), faps: new Int32Array(0) })]])(
+  it.each([["rubbish", Uint8Array.of(0xc1)], ["a gap", encode({ type: "packet", turn: 1, sample: 99, pcm: new Int16Array(0) })]])(
     "drops the connection over %s", (_, data) => {
       connect();
       talk.speak("a", {});
@@ -292,5 +295,159 @@ it("acknowledges four times a second while a turn is heard", () => {
   expect(of("ack").length).toBeLessThanOrEqual(4);
   const { sample, queue, ...rest } = of("ack").at(-1)!;
   expect(sample + queue).toBe(50 * 640);
-  expect(rest).toEqual({ type: "ack", turn: 1, underruns: 2, skew: -1500 });
+  expect(rest).toEqual({ type: "ack", turn: 1, underruns: 2, skew: -1500, received: 51, late: 0 });
+});
+
+describe("a connection that is lost and comes back", () => {
+  const KEY: ServerMessage = { ...READY, resume: "0.k" } as ServerMessage;
+
+  function lose(): void {
+    talk.disconnected();
+    sent.length = 0;
+  }
+
+  it("goes on where it was, says again what the server missed, and nobody notices", async () => {
+    talk.connected({ fps: 25 });
+    say(KEY);
+    const turn = talk.speak("a", { open: true });
+    begin(1, 3);
+    lose();
+    turn.append("b").end();
+    expect(sent).toEqual([]);
+    talk.connected({ fps: 25 });
+    expect(sent).toMatchObject([{ type: "hello", resume: "0.k", received: 4 }]);
+    say({ ...KEY, resumed: true, received: 0, resume: "0.l" } as ServerMessage);
+    expect(text()).toBe("ab");
+    expect(of("end")).toHaveLength(1);
+    say({ type: "packet", turn: 1, sample: 1920, pcm: new Int16Array(640), ...face(3) });
+    say({ type: "done", turn: 1, reason: "end", samples: 2560 });
+    talk.advance(heard(1, 2560, "over"));
+    expect(await turn).toMatchObject({ reason: "end" });
+    expect(named("error")).toEqual([]);
+    lose();
+    talk.connected({ fps: 25 });
+    expect(of("hello")).toMatchObject([{ resume: "0.l" }]);
+  });
+
+  it("fails what was being said if the server has forgotten the session", async () => {
+    talk.connected({ fps: 25 });
+    say(KEY);
+    const lost = talk.speak("a", {});
+    lose();
+    const later = talk.speak("b", {});
+    talk.connected({ fps: 25 });
+    say(READY);
+    await expect(lost.finished).rejects.toMatchObject({ code: "connection_lost" });
+    expect(of("speak")).toMatchObject([{ turn: 2 }]);
+    begin(2, 1);
+    say({ type: "done", turn: 2, reason: "end", samples: 640 });
+    talk.advance(heard(2, 640, "over"));
+    expect(await later).toMatchObject({ reason: "end" });
+  });
+
+  it("gives up once the server keeps nothing any longer", async () => {
+    talk.connected({ fps: 25 });
+    say(KEY);
+    const lost = talk.speak("a", {});
+    lose();
+    now = 29_000;
+    talk.advance(null);
+    expect(talk.busy).toBe(true);
+    now = 31_000;
+    talk.advance(null);
+    await expect(lost.finished).rejects.toMatchObject({ code: "connection_lost" });
+    talk.connected({ fps: 25 });
+    expect(of("hello")[0]!.resume).toBeUndefined();
+  });
+
+  it("tells the server afterwards what was interrupted meanwhile", async () => {
+    talk.connected({ fps: 25 });
+    say(KEY);
+    const turn = talk.speak("a", {});
+    begin(1, 5);
+    talk.advance(heard(1, 1000));
+    lose();
+    expect(await turn.interrupt()).toMatchObject({ reason: "interrupted", heard: 1000 });
+    talk.connected({ fps: 25 });
+    say({ ...KEY, resumed: true, received: 2 } as ServerMessage);
+    expect(of("interrupt")).toEqual([{ type: "interrupt", turn: 1, heard: 1000 }]);
+  });
+});
+
+describe("a turn that is revised", () => {
+  it("drops what is void and goes on from there", () => {
+    connect();
+    const turn = talk.speak("one two", {});
+    begin(1, 10, [word(0, 3), word(3000, 7)]);
+    talk.advance(heard(1, 1000));
+    turn.splice(4, "more").end();
+    expect(sent.slice(-3)).toMatchObject([{ type: "splice", turn: 1, char: 4, heard: 1000 }, { type: "speak" }, { type: "end" }]);
+    say({ type: "discard", turn: 1, sample: 2000, char: 4 });
+    expect(commands.at(-1)).toEqual({ kind: "discard", turn: 1, sample: 2000 });
+    expect(named("revised")).toEqual([{ turn: 1, sample: 2000, char: 4 }]);
+    say({ type: "packet", turn: 1, sample: 2000, pcm: new Int16Array(640), ...face(0), marks: [word(2100, 8)] });
+    talk.advance(heard(1, 2500));
+    expect(named("word").map(({ char_end }) => char_end)).toEqual([3, 8]);
+  });
+
+  it("can be said again, paused and continued", () => {
+    connect();
+    const turn = talk.speak("one", {});
+    begin(1, 2);
+    talk.advance(heard(1, 700));
+    turn.seek().pause().continue();
+    expect(sent.slice(-3)).toEqual([
+      { type: "seek", turn: 1, back: 1, heard: 700 }, { type: "pause", turn: 1, heard: 700 }, { type: "continue", turn: 1 },
+    ]);
+    expect(commands.slice(-2)).toEqual([{ kind: "pause", on: true }, { kind: "pause", on: false }]);
+  });
+});
+
+describe("listening", () => {
+  const listen = () => {
+    talk.connected({ channel: "news" });
+    say(READY);
+    say({ type: "live", channel: "news", on: true, talk: "a" });
+  };
+
+  it("hears turns that it did not open, from where it came", () => {
+    listen();
+    expect(sent[0]).toEqual({ type: "listen", channel: "news" });
+    say({ type: "begin", turn: 7, voice: "v", lang: "en", sample_rate: RATE, fps: 25, sample: 6400, marks: [word(6000, 4)] });
+    expect(commands.at(-1)).toEqual({ kind: "begin", turn: 7, rate: RATE, live: true });
+    say({ type: "packet", turn: 7, sample: 6400, pcm: new Int16Array(640), ...face(0) });
+    expect(commands.at(-1)).toMatchObject({ kind: "pcm", turn: 7, sample: 6400 });
+    talk.advance(heard(7, 6500));
+    expect(named("word")).toMatchObject([{ turn: 7, char_end: 4 }]);
+    say({ type: "skip", reason: "slow" });
+    say({ type: "begin", turn: 7, voice: "v", lang: "en", sample_rate: RATE, fps: 25, sample: 64000 });
+    say({ type: "packet", turn: 7, sample: 64000, pcm: new Int16Array(640), ...face(0) });
+    expect(commands.filter(({ kind }) => kind === "begin")).toHaveLength(1);
+    expect(named("skip")).toEqual([{ reason: "slow" }]);
+    say({ type: "pause", turn: 7 });
+    expect(commands.at(-1)).toEqual({ kind: "pause", on: true });
+  });
+
+  it("says where it was when it comes back", () => {
+    listen();
+    begin(1, 2);
+    talk.disconnected();
+    sent.length = 0;
+    talk.connected({ channel: "news" });
+    expect(sent).toEqual([{ type: "listen", channel: "news", talk: "a", turn: 1, sample: 1280 }]);
+    say(READY);
+    say({ type: "live", channel: "news", on: true, talk: "a" });
+    say({ type: "packet", turn: 1, sample: 1280, pcm: new Int16Array(640), ...face(1) });
+    expect(commands.at(-1)).toMatchObject({ kind: "pcm", sample: 1280 });
+    expect(named("error")).toEqual([]);
+  });
+
+  it("lets go of a speaker who has gone, and does not speak itself", () => {
+    listen();
+    begin(1, 2);
+    say({ type: "live", channel: "news", on: true, talk: "b" });
+    expect(commands.at(-1)).toEqual({ kind: "stop", turn: 1 });
+    expect(talk.busy).toBe(false);
+    expect(() => talk.speak("a", {})).toThrow(HeadFault);
+  });
 });
