@@ -62,7 +62,7 @@ async def test_it_speaks_in_the_browser(
 ) -> None:
     """Lips close where the voice does."""
     page = await browser.new_page(viewport={"width": 320, "height": 320})
-    with server("--head", str(made / "me.glb")) as address:
+    with server("--head", str(made / "me.glb")) as (address, _):
         complaints = await embed(page, elsewhere, address, address)
         await asyncio.sleep(2.0)
         offsets = await offsets_while_it_speaks(page, card)

@@ -101,7 +101,7 @@ def heads(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, dict[
     path = tmp_path_factory.mktemp("heads") / "coded.glb"
     path.write_bytes(write_head(coded(found["generic"])))
     found["coded"] = read_head(path.read_bytes(), "coded")
-    with server("--head", str(path)) as address:
+    with server("--head", str(path)) as (address, _):
         yield address, found
 
 

@@ -70,7 +70,7 @@ async def saved(page: Page, button: str, path: Path) -> Path:
 async def test_two_photos_are_dragged_into_a_head_that_speaks(
     browser: Browser, card: dict[str, str], tmp_path: Path
 ) -> None:
-    with server() as address:
+    with server() as (address, _):
         page, complaints = await opened(browser, address)
         await give(page, "front")
         await give(page, "profile")
@@ -123,7 +123,7 @@ def loud_seconds(samples: np.ndarray, rate: int) -> float:
 
 
 async def test_keys_move_points_and_symmetry_moves_the_other_side(browser: Browser, tmp_path: Path) -> None:
-    with server() as address:
+    with server() as (address, _):
         page, complaints = await opened(browser, address)
         await give(page, "front")
         before = read_points((await saved(page, "Save points", tmp_path / "a.json")).read_text())
@@ -146,7 +146,7 @@ async def test_keys_move_points_and_symmetry_moves_the_other_side(browser: Brows
 async def test_what_is_no_photo_is_said_beside_it(browser: Browser, tmp_path: Path) -> None:
     wrong = tmp_path / "notes.jpg"
     wrong.write_bytes(b"no picture at all")
-    with server() as address:
+    with server() as (address, _):
         page, complaints = await opened(browser, address)
         await page.locator("#front .drop input").set_input_files(str(wrong))
         await expect(page.locator("#front .note")).to_be_visible(timeout=SLOW_MS)

@@ -30,7 +30,7 @@ async def test_an_avatar_speaks(
     """Its lips close where the voice does, whether the browser reads the file or the server converts it."""
     page = await browser.new_page(viewport={"width": 320, "height": 320})
     served = ["--head", str(AVATAR)] if way == "from our server" else []
-    with server(*served) as address:
+    with server(*served) as (address, _):
         complaints = await embed(page, elsewhere, address, address)
         if not served:
             shutil.copy(AVATAR, elsewhere[0] / "avatar.glb")

@@ -24,7 +24,7 @@ document.addEventListener("securitypolicyviolation", (e) =>
 
 @pytest.fixture(scope="module")
 def here() -> Iterator[str]:
-    with server() as address:
+    with server() as (address, _):
         yield address
 
 
