@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from fapstream.records import Speech, Utterance
@@ -63,19 +63,6 @@ class Clock(Protocol):
         """Return at `when` or later."""
 
 
-class Bus(Protocol):
-    """Carries entries of channels between processes. Entries of a channel arrive in order."""
-
-    def publish(self, channel: str, entry: bytes) -> None:
-        """Returns at once."""
-
-    def subscribe(self, channel: str) -> AsyncGenerator[bytes | None, None]:
-        """The newest entries, and those that come; None: something may be missing here."""
-
-    async def aclose(self) -> None:
-        """Leave it."""
-
-
 class Landmarker(Protocol):
     """Finds feature points in photos. `picture`: uint8 (height, width, 3), sRGB, upright."""
 
@@ -126,3 +113,48 @@ class NoMeter:
 
     def time(self, name: Timed, seconds: float) -> None:
         """See the port."""
+class Subscription(Protocol):
+    """What one subscriber gets of a channel, in order: entries, and None where some may be missing.
+
+    It ends when it is closed, or its bus is.
+    """
+
+    def __aiter__(self) -> AsyncIterator[bytes | None]:
+        """Itself. One task at a time may wait for the next entry."""
+
+    async def __anext__(self) -> bytes | None:
+        """The next entry, or None for a gap; never two gaps in a row."""
+
+    async def aclose(self) -> None:
+        """Want no more. Safe to call twice."""
+
+
+class Bus(Protocol):
+    """Carries entries from the process that publishes them to every process that subscribes.
+
+    A bus belongs to one event loop, whose thread alone may use it.
+    """
+
+    @property
+    def connected(self) -> bool:
+        """Whether entries travel now; what is published while they do not waits some seconds."""
+
+    def on_state(self, tell: Callable[[bool], None]) -> None:
+        """Have `tell` called, from the loop, with every change of `connected`."""
+
+    def publish(self, channel: str, entry: bytes) -> None:
+        """Send an entry. Returns at once; entries that one bus publishes to a channel arrive in order.
+
+        Where a bus cannot keep up or is away, the oldest that wait are dropped, and subscribers are told.
+        What a process that died had not sent yet is lost untold. After `aclose` nothing is sent.
+
+        Raises InputError: a channel's name or an entry that is too long.
+        """
+
+    def subscribe(self, channel: str) -> Subscription:
+        """What the channel carried last (100 entries or 256 kB, if it has not been silent for minutes), and
+        then what it carries, without gap or repeat between. Raises InputError as `publish` does.
+        """
+
+    async def aclose(self) -> None:
+        """Send what waits, if that takes no longer than a second, and end every subscription."""
