@@ -62,8 +62,7 @@ IO_ROOMS = {"talk", "adapters", "server", "client", "viewer", "bridges", "cli"}
 THIRD_PARTY: dict[str, set[str]] = {
     "adapt": {"scipy", "PIL"},
     "protocol": {"msgpack"},
-    "adapters": {"pyaudio", "espeakng_loader", "ai_edge_litert", "prometheus_client"},
-    "server": {"websockets", "jwt"},
+    "adapters": {"ai_edge_litert", "espeakng_loader", "jwt", "prometheus_client", "pyaudio", "redis", "server", "websockets"},
     "client": {"websockets"},
     "viewer": {"websockets", "moderngl", "glfw", "PIL"},
 }
