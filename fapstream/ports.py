@@ -113,6 +113,8 @@ class NoMeter:
 
     def time(self, name: Timed, seconds: float) -> None:
         """See the port."""
+
+
 class Subscription(Protocol):
     """What one subscriber gets of a channel, in order: entries, and None where some may be missing.
 

@@ -20,14 +20,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from fapstream.adapters.hub import run_hub
 from fapstream.adapters.metrics import fresh, worker_gone
 from fapstream.adapters.pool import VoicePool
 from fapstream.cli.arguments import between, port
 from fapstream.cli.heads import servable
 from fapstream.cli.logs import add_log_arguments, start_log
 from fapstream.cli.manner import add_manner, manner
-from fapstream.cli.serving import HUB_SOCKET, Plan, cores, raise_file_limit, warm_languages, work
+from fapstream.cli.serving import HUB_SOCKET, Plan, cores, raise_file_limit, run_hub, warm_languages, work
 from fapstream.cli.workers import Lifeline, Supervisor, Work
 from fapstream.errors import InputError
 from fapstream.server.admission import Limits, networks
@@ -203,7 +202,7 @@ def _run_many(plan: Plan, ready: Callable[[str, int], None]) -> int:
 
     helpers: list[Work] = []
     if plan.bus is None:
-        helpers.append(lambda index, line: run_hub(folder / HUB_SOCKET, line.parent, line.ready))
+        helpers.append(lambda index, line: run_hub(folder / HUB_SOCKET, line.ready, line.parent))
     supervisor = Supervisor(
         [worker] * plan.workers,
         helpers,

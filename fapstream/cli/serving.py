@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import logging
 import os
 import random
 import signal
@@ -19,9 +20,8 @@ from pathlib import Path
 
 from websockets.datastructures import Headers
 
-from fapstream.adapters.bus import open_bus
+from fapstream.adapters.bus import Hub, HubBus, open_bus
 from fapstream.adapters.clock import MonotonicClock
-from fapstream.adapters.hub import HubBus
 from fapstream.adapters.metrics import Metrics
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.spares import watch_by_descriptor
@@ -36,6 +36,8 @@ from fapstream.server.http import Answer, plain
 from fapstream.server.link import Link
 from fapstream.server.origins import Doors
 from fapstream.tts import LANGUAGES, Manner, language
+
+log = logging.getLogger("fapstream.server")
 
 LAG_S = 0.25
 """So often it is looked how late the event loop is."""
@@ -88,7 +90,8 @@ async def work(plan: Plan, index: int, ready: Callable[[str, int], None], parent
     meter = Metrics(plan.folder / "metrics" if plan.folder else None, index)
     watch_by_descriptor()
     pool = VoicePool(on_event=partial(_count_voice, meter))
-    bus = HubBus(plan.folder / HUB_SOCKET) if plan.folder and plan.bus is None else open_bus(plan.bus)
+    bus = HubBus(str(plan.folder / HUB_SOCKET)) if plan.folder and plan.bus is None else open_bus(plan.bus)
+    bus.on_state(lambda there: log.warning("the bus is %s", "back" if there else "away"))
     lag = asyncio.create_task(_watch_lag(meter))
     try:
         app = _app(plan, index, pool, bus, meter)
@@ -178,6 +181,24 @@ async def _warm(pool: VoicePool, voice: str | None, complain: bool) -> None:
                 print(f"fapstream: {e}", file=sys.stderr)
     for candidate in likely:
         await pool.warm(candidate)
+
+
+def run_hub(path: Path, ready: Callable[[], None], parent: int) -> None:
+    """Be the hub between the workers of this machine until told to stop, or until the parent is gone."""
+
+    async def run() -> None:
+        stop = asyncio.Event()
+        loop = asyncio.get_running_loop()
+        loop.add_signal_handler(signal.SIGTERM, stop.set)
+        loop.add_reader(parent, stop.set)
+        path.unlink(missing_ok=True)
+        hub = Hub(str(path))
+        await hub.start()
+        ready()
+        await stop.wait()
+        await hub.aclose()
+
+    asyncio.run(run())
 
 
 def raise_file_limit() -> None:

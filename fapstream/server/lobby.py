@@ -6,7 +6,7 @@ import asyncio
 import logging
 import secrets
 from collections.abc import Callable, Coroutine
-from contextlib import suppress
+from contextlib import aclosing, suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -166,11 +166,12 @@ class Lobby:
 
     async def _watch(self, stage: Stage, conversation: Conversation) -> None:
         """Give way when somebody else speaks into the channel."""
-        async for entry in self._bus.subscribe(stage.name):
-            if stage.overtaken(entry):
-                conversation.audience = None
-                await conversation.fail("channel_taken", f"somebody else speaks into {stage.name} now")
-                return
+        async with aclosing(self._bus.subscribe(stage.name)) as entries:
+            async for entry in entries:
+                if stage.overtaken(entry):
+                    conversation.audience = None
+                    await conversation.fail("channel_taken", f"somebody else speaks into {stage.name} now")
+                    return
 
     # those who listen
 
@@ -202,8 +203,9 @@ class Lobby:
         there.channel.leave(listening)
 
     async def _bring(self, channel: Channel) -> None:
-        async for entry in self._bus.subscribe(channel.name):
-            channel.take(entry)
+        async with aclosing(self._bus.subscribe(channel.name)) as entries:
+            async for entry in entries:
+                channel.take(entry)
 
     # housekeeping
 

@@ -1,8 +1,8 @@
 """One talk to many listeners from one core, beside a bare `websockets` broadcast of equal bytes.
 
 Server and bare broadcast run on one core, the listeners and the speaker on the others. 25 packets a second
-reach each listener. Jitter is how far a delivery lies behind the earliest pace: arrival minus the packet's place in
-the sound, less the smallest such difference of that listener in the run. CPU is of the serving process alone.
+reach each listener. Jitter is how far a delivery lies behind the earliest pace: arrival minus the packet's
+place in the sound, less the least such difference of that listener in the run. CPU is of the serving process.
 """
 
 from __future__ import annotations

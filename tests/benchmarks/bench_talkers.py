@@ -72,8 +72,13 @@ async def measure(address: str, pid: int, levels: list[int], seconds: float) -> 
 
 
 def _level(
-    level: int, tally: Tally, cpu: tuple[dict[str, float], dict[str, float]], load: float, start: float, refused: int
-) -> Level:  # fmt: skip
+    level: int,
+    tally: Tally,
+    cpu: tuple[dict[str, float], dict[str, float]],
+    load: float,
+    start: float,
+    refused: int,
+) -> Level:
     late = np.percentile(tally.lateness_ms, [50, 99, 100])
     first = np.percentile(tally.first_ms or [0.0], [50, 99])
     spent = {name: 1000 * (value - cpu[0].get(name, 0.0)) / tally.sound_s for name, value in cpu[1].items()}

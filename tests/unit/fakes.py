@@ -196,6 +196,13 @@ class FakeBus:
         finally:
             self._queues.remove((channel, queue))
 
+    @property
+    def connected(self) -> bool:
+        return True
+
+    def on_state(self, tell: Callable[[bool], None]) -> None:
+        pass
+
     async def aclose(self) -> None:
         pass
 

@@ -62,9 +62,11 @@ IO_ROOMS = {"talk", "adapters", "server", "client", "viewer", "bridges", "cli"}
 THIRD_PARTY: dict[str, set[str]] = {
     "adapt": {"scipy", "PIL"},
     "protocol": {"msgpack"},
-    "adapters": {"ai_edge_litert", "espeakng_loader", "jwt", "prometheus_client", "pyaudio", "redis", "server", "websockets"},
+    "adapters": {"pyaudio", "espeakng_loader", "ai_edge_litert", "prometheus_client", "redis"},
+    "server": {"websockets", "jwt"},
     "client": {"websockets"},
     "viewer": {"websockets", "moderngl", "glfw", "PIL"},
+    "cli": {"websockets"},
 }
 COMMON_THIRD_PARTY = {"numpy"}
 """What every installation has."""
