@@ -20,14 +20,16 @@ MOOD = [30, 31, 32, 33, 34, 35, 36, 37, 40, 41, 60, 61, 62, 63]
 """Columns of FAPs; of brows, cheeks and nose."""
 MOOD_S, HEAD_S, EYES_S, LIDS_S = 0.6, 0.7, 0.06, 0.16
 """How long what was shown before lasts: moods and heads take their time, eyes leap."""
-TURN_S, REST_S = 0.15, 0.35
-"""The same for the mouth, which is at the disposal of a turn that begins and comes to rest softly."""
+TURN_S, BACK_S, REST_S = 0.15, 0.06, 0.35
+"""The same for the mouth: at a new turn's disposal, soon back where one goes on, slow to come to rest."""
 LEAP_S = 0.1
 """The heard sample has leapt if it is further on, or back, than time and this much account for."""
 LONGEST_STEP_S = 0.25
 """Idle life takes no longer steps: after a halt it does not catch up on its blinks."""
 
 Face = NDArray[np.float64]
+Source = tuple[int | None, bool, int]
+"""The turn that has the face, whether idle life is round it, and how often what is heard has leapt."""
 
 
 class FaceMixer:
@@ -42,9 +44,12 @@ class FaceMixer:
         for columns, fade in ((MOOD, MOOD_S), (HEAD, HEAD_S), (EYES, EYES_S), (self._lids, LIDS_S)):
             self._fades[columns] = fade
         self._shown, self._offset = np.zeros(N_FAPS), np.zeros(N_FAPS)
-        self._source: tuple[int | None, bool, int] | None = None
+        self._source: Source | None = None
         self._heard: Heard | None = None
+        self._stood: Heard | None = None
         self._leaps = 0
+        self._mouth_s = REST_S
+        self._spoke: int | None = None
         self._since = self._lived = 0.0
         self._time: float | None = None
 
@@ -55,32 +60,43 @@ class FaceMixer:
         self._since += step
         self._lived += min(step, LONGEST_STEP_S)
         if buffer is None or heard is None or not _tells(buffer, heard):
-            target, lives, turn = np.zeros(N_FAPS), True, None
+            target, lives, turn, stood = np.zeros(N_FAPS), True, None, None
+            self._stood = heard if heard is not None and heard.state in ("starved", "paused") else None
         else:
-            self._watch(buffer, heard, step)
+            stood = self._watch(buffer, heard, step)
             target, lives, turn = buffer.face(heard.sample), heard.state == "waiting", heard.turn
         if lives and self._life is not None:
             still = np.zeros(N_FAPS)
             idle = mix(Streams(Mouth(still), still, still, self._life.at(self._lived)))
             target[self._alive] = idle[self._alive]
-        return self._blend(target, (turn, lives, self._leaps))
+        source = (turn, lives, self._leaps)
+        if source != self._source:
+            self._turn_to(source, target, target if stood is None else stood)
+        left = [1 - minimum_jerk(self._since / (fade or self._mouth_s)) for fade in self._fades]
+        self._shown = target + self._offset * left
+        self._shown[self._lids] = np.minimum(self._shown[self._lids], self._shut)
+        return self._shown
 
-    def _watch(self, buffer: TurnBuffer, heard: Heard, step: float) -> None:
-        """A leap of what is heard is caught up with like another turn."""
+    def _watch(self, buffer: TurnBuffer, heard: Heard, step: float) -> Face | None:
+        """The turn's face where its sound had stopped until now, None if it had not.
+
+        A leap of what is heard is caught up with as if the turn had been silent.
+        """
         last, self._heard = self._heard, heard
         if last is not None and last.turn == heard.turn:
             on = (heard.sample - last.sample) / buffer.sample_rate
             self._leaps += not -LEAP_S <= on <= step + LEAP_S
+        stood, self._stood = self._stood, None
+        return buffer.face(stood.sample) if stood is not None and stood.turn == heard.turn else None
 
-    def _blend(self, target: Face, source: tuple[int | None, bool, int]) -> Face:
-        if source != self._source:
-            self._offset = np.zeros(N_FAPS) if self._source is None else self._shown - target
-            self._source, self._since = source, 0.0
-        mouth_s = REST_S if source[0] is None else TURN_S
-        left = [1 - minimum_jerk(self._since / (fade or mouth_s)) for fade in self._fades]
-        self._shown = target + self._offset * left
-        self._shown[self._lids] = np.minimum(self._shown[self._lids], self._shut)
-        return self._shown
+    def _turn_to(self, source: Source, target: Face, stood: Face) -> None:
+        """What is shown becomes an offset: the mouth's against `stood`, where the sound had stopped."""
+        if self._source is not None:
+            self._offset = self._shown - np.where(self._fades > 0, target, stood)
+        self._source, self._since = source, 0.0
+        turn = source[0]
+        self._mouth_s = REST_S if turn is None else BACK_S if turn == self._spoke else TURN_S
+        self._spoke = self._spoke if turn is None else turn
 
 
 def _tells(buffer: TurnBuffer, heard: Heard) -> bool:

@@ -76,8 +76,18 @@ def test_the_mouth_comes_to_rest_where_the_sound_stops_and_softly_back(
     heads = [mixer.show(buffer, at(5120, state), t)[PITCH] for t in (2, 3)]
     assert heads[0] != heads[1], "it lives"
     back = [mixer.show(buffer, at(5120 + 160 * k), 3 + k / 100)[JAW] for k in range(17)]
-    assert max(np.abs(np.diff([0, *back]))) < 130
+    assert max(np.abs(np.diff([0, *back]))) < 320
+    assert back[7] == buffer.face(5120 + 160 * 7)[JAW], "soon"
     assert back[-1] == 900
+
+
+def test_lips_that_stood_where_they_rest_are_on_time_when_the_sound_comes_back(buffer: TurnBuffer) -> None:
+    mixer = FaceMixer(1)
+    mixer.show(buffer, at(0), 0)
+    for t in np.arange(0.01, 1, 0.03):
+        mixer.show(buffer, at(0, "starved"), t)
+    for k in range(1, 10):
+        assert mixer.show(buffer, at(320 * k), 1 + k / 50)[JAW] == 50 * k
 
 
 def test_a_frame_is_held_for_a_moment_where_others_are_missing_then_the_mouth_rests(
@@ -99,7 +109,7 @@ def test_a_leap_of_what_is_heard_is_no_leap_of_the_lips(buffer: TurnBuffer) -> N
     mixer.show(buffer, at(0), 0)
     shown = [mixer.show(buffer, at(640 * 50 + 160 * k), 0.01 * (k + 1))[JAW] for k in range(20)]
     assert shown[0] < 50
-    assert max(np.diff(shown)) < 110
+    assert max(np.diff(shown)) < 280
     assert shown[-1] == 800
 
 

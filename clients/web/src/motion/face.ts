@@ -10,8 +10,8 @@ import { EYE_FAPS, HEAD_FAPS, IdleLife, LID_FAPS, LIDS } from "./idle";
 
 /** How long what was shown before lasts, s: moods and heads take their time, eyes leap. */
 const FADE_S = { mood: 0.6, head: 0.7, eyes: 0.06, lids: 0.16 };
-/** The mouth is at the disposal of a turn that begins, and comes to rest softly. */
-const MOUTH_FADE_S = { turn: 0.15, rest: 0.35 };
+/** The mouth is at the disposal of a turn that begins, soon back where one goes on, and slow to rest. */
+const MOUTH_FADE_S = { turn: 0.15, back: 0.06, rest: 0.35 };
 /** Brows, cheeks and nose. */
 const MOOD_FAPS = [31, 32, 33, 34, 35, 36, 37, 38, 41, 42, 61, 62, 63, 64];
 /** The heard sample has leapt if it is further on, or back, than time and this much account for. */
@@ -33,7 +33,13 @@ export class Face {
   private time = -1;
   private lived = 0;
   private heard: Heard | null = null;
+  /** The turn whose sound has stopped, and its face there: from it the mouth goes on. */
+  private silent: Heard | null = null;
+  private readonly stood: FapValues = new Float32Array(N_FAPS + 1);
   private leaps = 0;
+  private mouth = MOUTH_FADE_S.rest;
+  /** The turn shown last. */
+  private spoke: number | null = null;
 
   constructor(seed: number) {
     this.life = new IdleLife(seed, "listen");
@@ -51,32 +57,43 @@ export class Face {
     if (holds) {
       this.watch(buffer, heard, step);
       buffer.face(heard.sample, this.target);
-    } else this.target.fill(0);
+    } else {
+      this.target.fill(0);
+      this.stood.fill(0);
+      this.silent = heard?.state === "starved" || heard?.state === "paused" ? heard : null;
+    }
     const lives = !holds || heard.state === "waiting";
     if (lives && !calm) this.life.write(this.lived, this.target);
     if (calm) for (const fap of [...HEAD_FAPS, ...EYE_FAPS]) this.target[fap] = 0;
-    this.blend(`${holds ? heard.turn : "nobody"} ${lives} ${calm} ${this.leaps}`, holds ? MOUTH_FADE_S.turn : MOUTH_FADE_S.rest);
+    this.blend(holds ? heard.turn : null, `${lives} ${calm} ${this.leaps}`);
     return this.values;
   }
 
-  /** A leap of what is heard is caught up with like another turn. */
-  private watch({ begin }: TurnBuffer, heard: Heard, step: number): void {
-    const last = this.heard;
+  /** Note where the turn had stopped until now. A leap of what is heard is caught up with as if it had been silent. */
+  private watch(buffer: TurnBuffer, heard: Heard, step: number): void {
+    const { heard: last, silent } = this;
     this.heard = heard;
+    this.silent = null;
+    buffer.face(silent?.turn === heard.turn ? silent.sample : heard.sample, this.stood);
     if (last?.turn !== heard.turn) return;
-    const on = (heard.sample - last.sample) / begin.sample_rate;
+    const on = (heard.sample - last.sample) / buffer.begin.sample_rate;
     if (on < -LEAP_S || on > step + LEAP_S) this.leaps++;
   }
 
-  private blend(source: string, mouth: number): void {
-    const changed = source !== this.source;
-    if (changed) {
-      for (let fap = 1; fap <= N_FAPS; fap++) this.offset[fap] = this.source ? this.values[fap] - this.target[fap] : 0;
+  private blend(turn: number | null, how: string): void {
+    const source = `${turn} ${how}`;
+    if (source !== this.source) {
+      for (let fap = 1; fap <= N_FAPS; fap++) {
+        const fresh = this.fades[fap] ? this.target[fap] : this.stood[fap];
+        this.offset[fap] = this.source ? this.values[fap] - fresh : 0;
+      }
       this.source = source;
       this.since = 0;
+      this.mouth = turn === null ? MOUTH_FADE_S.rest : turn === this.spoke ? MOUTH_FADE_S.back : MOUTH_FADE_S.turn;
+      this.spoke = turn ?? this.spoke;
     }
     for (let fap = 1; fap <= N_FAPS; fap++) {
-      this.values[fap] = this.target[fap] + this.offset[fap] * (1 - minimumJerk(this.since / (this.fades[fap] || mouth)));
+      this.values[fap] = this.target[fap] + this.offset[fap] * (1 - minimumJerk(this.since / (this.fades[fap] || this.mouth)));
     }
     for (const [fap, shut] of LIDS) this.values[fap] = Math.min(this.values[fap], shut);
   }
