@@ -131,14 +131,22 @@ def _app(plan: Plan, index: int, pool: VoicePool, bus: Bus, meter: Metrics) -> A
 
 
 def _address(plan: Plan, index: int) -> Address:
-    tls = None
-    if plan.tls:
-        tls = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-        tls.load_cert_chain(*plan.tls)
+    tls = tls_context(*plan.tls) if plan.tls else None
     private = socket_of(plan.folder, index) if plan.folder else None
     if private:
         private.unlink(missing_ok=True)
     return Address(plan.host, plan.port, tls, plan.workers > 1, private)
+
+
+def tls_context(certificate: Path, key: Path) -> ssl.SSLContext:
+    """For https and wss. Raises InputError."""
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    try:
+        context.load_cert_chain(certificate, key)
+    except (OSError, ssl.SSLError) as e:
+        reason = getattr(e, "strerror", None) or e
+        raise InputError(f"{certificate} and {key} are no certificate and its key: {reason}") from None
+    return context
 
 
 async def _hand_over(folder: Path, link: Link, first: bytes, index: int, address: str) -> bool:

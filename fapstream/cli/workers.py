@@ -52,8 +52,8 @@ class _Child:
 
 @dataclass(slots=True)
 class Supervisor:
-    """`works`: what each process does; `helpers`: what those do that go last. `all_ready` is called once, when
-    every one has said that it is ready; `died` is told the index of each that ended.
+    """`works`: what each process does; `helpers`: what those do that go last. `all_ready` is called once,
+    when every one has said that it is ready; `died` is told the index of each that ended.
     """
 
     works: Sequence[Work]

@@ -27,6 +27,9 @@ SHARED = "talk-"
 """What the name of a shared session's own channel begins with."""
 
 
+SETTLE_S = 0.1
+"""What a bus brings at first was spoken before: who listens is told only what becomes of it."""
+
 DRAIN_STEP_S = 0.05
 BACK_UP_MS = 3000
 """When a server that goes down may be up again."""
@@ -61,6 +64,8 @@ class _Open:
     channel: Channel
     task: asyncio.Task[None]
     listeners: dict[Listening, Link] = field(default_factory=dict)
+    settled: asyncio.Task[None] | None = None
+    """Done once what the bus had before has come."""
 
 
 class Lobby:
@@ -181,9 +186,18 @@ class Lobby:
         if there is None:
             channel = Channel(wish.channel, self._service.clock.now)
             there = _Open(channel, asyncio.create_task(self._bring(channel)))
+            there.settled = asyncio.create_task(asyncio.sleep(SETTLE_S))
             self._channels[wish.channel] = there
         listening.channel = there.channel
         there.listeners[listening] = link
+        if there.settled and not there.settled.done():
+            there.settled.add_done_callback(lambda _: self._join(there, listening, wish))
+        else:
+            self._join(there, listening, wish)
+
+    def _join(self, there: _Open, listening: Listening, wish: g.Listen) -> None:
+        if listening not in there.listeners:
+            return  # it did not wait
         after = None
         if wish.talk is not None and wish.turn is not None:
             after = (wish.talk, wish.turn, wish.sample or 0)

@@ -2,7 +2,7 @@
 
 The load runs on the same processors. A packet's lateness is its arrival after the time that the server's
 schedule gives it (at most 1.5 s ahead of what is heard); a level holds if 99 in 100 are less than 40 ms late
-and no simulated sound card ran dry. The floor is what MBROLA itself takes for the same speech in the same run.
+and no simulated sound card ran dry. The floor is what MBROLA itself takes for the same speech in that run.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def test_a_wrong_call_exits_2(argv: list[str]) -> None:
 
 
 async def test_an_address_that_is_not_ours(capsys: pytest.CaptureFixture[str]) -> None:
-    argv = ["serve", "--port", "0", "--host", "192.0.2.1"]
+    argv = ["serve", "--port", "0", "--host", "192.0.2.1", "--open"]
     assert await asyncio.to_thread(_main_in_thread, argv) == 1
     assert "cannot listen at 192.0.2.1, port 0: " in capsys.readouterr().err
 
