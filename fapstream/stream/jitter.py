@@ -15,11 +15,11 @@ FLOOR_S = 0.05
 MOST_S = 1.2
 """More is never waited for: a server sends at most 1.5 s ahead."""
 WINDOW_S = 20.0
-QUANTILE = 0.99
+QUANTILE = 0.995
 """Of the lateness in the window. The latest alone does not count: one stall is no habit."""
 GROW_S = 0.2
 """One underrun lets the target grow by no more."""
-DECAY_S = 20.0
+DECAY_S = 60.0
 BURST = 0.5
 """A packet that comes within this part of its own duration after the one before waited with it."""
 SLACK_S, LACK_S = 0.02, 0.005

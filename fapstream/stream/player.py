@@ -45,7 +45,7 @@ class Player:
     ) -> None:
         self._rate = sample_rate
         self._report = report
-        self._jitter = jitter or Jitter()
+        self._jitter = Jitter()
         self._queue: deque[Voice] = deque()
         self._frame = 0
         """The one to be rendered next."""
@@ -124,9 +124,9 @@ class Player:
         if voice.stopped:
             self._leave(voice, frame)
             return True
-        if self._paused or not voice.startable:
+        if self._paused or not voice.startable(frame):
             return False
-        voice.start()
+        voice.start(frame)
         voice.told = None
         self._follow(voice, frame)
         return True

@@ -19,9 +19,9 @@ SPEECH_EVERY, QUIET_EVERY = 20, 2
 """After a change, this many times its length passes unchanged: 5 % in speech, half of a pause."""
 RETRY_S = 0.01
 OVERDUE_S = 0.06
-"""A packet that does not come for so long is missing."""
-SCANT_S = 0.25
-"""With less than this above the target in store, and a packet overdue, time is gained."""
+"""A packet that does not come for so long, and longer than the network is known for, is missing."""
+SCANT_S = 0.3
+"""With less in store and a packet missing, time is gained."""
 
 
 class Voice:
@@ -80,14 +80,19 @@ class Voice:
 
     # --- out
 
-    @property
-    def startable(self) -> bool:
-        """Is enough in store?"""
-        enough = self.held or self.line.queued >= self._jitter.target_s * self._rate
-        return self.ended or (self.line.queued > 0 and enough)
+    def startable(self, frame: int) -> bool:
+        """Is enough in store? In a live talk time does as well: what is not yet played is gained."""
+        if self.ended or self.line.queued == 0:
+            return self.ended
+        store_s = self.line.queued / self._rate
+        if self._level_s is not None:
+            store_s = self._level_s + (frame - self._arrived) / self._rate
+        return self.held or store_s >= self._jitter.target_s
 
-    def start(self) -> None:
-        """From now on it is heard."""
+    def start(self, frame: int) -> None:
+        """From this frame on it is heard."""
+        if self._level_s is not None:
+            self._level_s += (frame - self._arrived) / self._rate
         if self.started:
             self._rise = 1 / (FADE_BACK_S * self._rate)
         self.started = self.playing = True
@@ -130,7 +135,7 @@ class Voice:
             return 0
         target_s = self._jitter.target_s
         way = 0 if self._level_s is None else steer(self._level_s, target_s)
-        overdue = frame - self._arrived > OVERDUE_S * self._rate
-        if overdue and self.line.queued < (target_s + SCANT_S) * self._rate:
+        missing = frame - self._arrived > max(OVERDUE_S, target_s) * self._rate
+        if missing and self.line.queued < SCANT_S * self._rate:
             way = 1
         return 0 if self.held and way > 0 else way

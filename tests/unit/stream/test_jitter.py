@@ -54,7 +54,7 @@ def test_an_underrun_counts_at_once_within_bounds_and_is_slowly_forgotten() -> N
     jitter.underrun(9.0)
     assert jitter.target_s == pytest.approx(FLOOR_S + 0.07 + GROW_S)
     top = jitter.target_s
-    targets = run(jitter, [0.0] * 1500, 10)
+    targets = run(jitter, [0.0] * 1600, 10)
     assert targets[round(DECAY_S / PACKET_S)] == pytest.approx(FLOOR_S + (top - FLOOR_S) / 2.72, rel=0.05)
     assert all(b <= a for a, b in pairwise(targets))
     for _ in range(20):
@@ -72,7 +72,7 @@ def test_a_clock_that_was_stopped_or_turned_makes_nobody_late() -> None:
 
 
 def test_a_longer_way_is_no_jitter_for_long() -> None:
-    assert run(Jitter(), [0.0] * 500 + [0.1] * 2500)[-1] < FLOOR_S + 0.02
+    assert run(Jitter(), [0.0] * 500 + [0.1] * 6000)[-1] < FLOOR_S + 0.02
 
 
 def test_the_store_is_steered_within_a_band() -> None:

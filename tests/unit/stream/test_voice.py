@@ -17,20 +17,31 @@ def voice_of(live: bool, packets: int) -> Voice:
     voice = Voice(1, live, RATE, Jitter())
     for k in range(packets):
         voice.push(PACKET * k, VOICE[PACKET * k : PACKET * (k + 1)], False, 0)
-    voice.start()
+    voice.start(0)
     voice.take(1000, False)
     return voice
 
 
 def test_it_may_start_with_the_target_in_store() -> None:
     voice = Voice(1, False, RATE, Jitter())
-    assert not voice.startable
+    assert not voice.startable(0)
     voice.push(0, np.zeros(round(FLOOR_S * RATE) - 1, np.int16), False, 0)
-    assert not voice.startable
+    assert not voice.startable(0)
     voice.push(round(FLOOR_S * RATE) - 1, np.zeros(1, np.int16), False, 0)
-    assert voice.startable
+    assert voice.startable(0)
     voice.push(0, np.zeros(0, np.int16), True, 0)
-    assert voice.startable
+    assert voice.startable(0)
+
+
+def test_a_live_talk_may_start_with_a_packet_once_the_rest_has_passed_as_time() -> None:
+    voice = Voice(1, True, RATE, Jitter())
+    voice.push(0, np.zeros(PACKET, np.int16), False, 1000)
+    short = round(FLOOR_S * RATE) - PACKET
+    assert not voice.startable(1000 + short - 1)
+    assert voice.startable(1000 + short)
+    own = Voice(1, False, RATE, Jitter())
+    own.push(0, np.zeros(PACKET, np.int16), False, 1000)
+    assert not own.startable(99_999)
 
 
 @pytest.mark.parametrize(("live", "packets", "way"), [(True, 12, -1), (True, 2, 0), (False, 12, 0)])
@@ -53,7 +64,7 @@ def test_after_a_change_most_of_speech_and_half_of_a_pause_pass_as_they_are() ->
     assert voice.fit(0) > 0
     quiet = Voice(1, True, RATE, Jitter())
     quiet.push(0, np.zeros(16_000, np.int16), False, 0)
-    quiet.start()
+    quiet.start(0)
     quiet.take(1000, False)
     assert quiet.fit(0) == 240
     while quiet.line.at < 1000 + QUIET_EVERY * 240:
@@ -92,5 +103,5 @@ def test_a_packet_is_late_if_its_sound_should_have_been_heard() -> None:
     late = [voice.push(PACKET * k, VOICE[:PACKET], False, 2000 + PACKET) for k in range(2, 5)]
     assert late == [True, True, False]
     assert not voice.push(0, VOICE[:PACKET], False, 9000), "nothing new"
-    voice.start()
+    voice.start(0)
     assert not voice.push(PACKET * 5, VOICE[:PACKET], False, 9000)

@@ -9,10 +9,10 @@ export const FLOOR_S = 0.05;
 export const MOST_S = 1.2;
 const WINDOW_S = 20;
 /** Of the lateness in the window. The latest alone does not count: one stall is no habit. */
-const QUANTILE = 0.99;
+const QUANTILE = 0.995;
 /** One underrun lets the target grow by no more. */
 const GROW_S = 0.2;
-const DECAY_S = 20;
+const DECAY_S = 60;
 /** A packet that comes within this part of its own duration after the one before waited with it. */
 const BURST = 0.5;
 /** A store may lie above and below the target by so much; together more than one pitch period. */

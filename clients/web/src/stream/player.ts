@@ -111,8 +111,8 @@ export class Player {
   /** False if there is nothing to do for this turn yet. */
   private start(voice: Voice, frame: number): boolean {
     if (voice.stopped) return this.leave(voice, frame);
-    if (this.paused || !voice.startable) return false;
-    voice.start();
+    if (this.paused || !voice.startable(frame)) return false;
+    voice.start(frame);
     voice.told = null;
     this.follow(voice, frame);
     return true;

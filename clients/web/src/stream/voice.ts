@@ -15,10 +15,10 @@ const FADE_BACK_S = 0.01;
 const SPEECH_EVERY = 20;
 const QUIET_EVERY = 2;
 const RETRY_S = 0.01;
-/** A packet that does not come for so long is missing. */
+/** A packet that does not come for so long, and longer than the network is known for, is missing. */
 const OVERDUE_S = 0.06;
-/** With less than this above the target in store, and a packet overdue, time is gained. */
-const SCANT_S = 0.25;
+/** With less in store and a packet missing, time is gained. */
+const SCANT_S = 0.3;
 
 export class Voice {
   ended = false;
@@ -61,9 +61,11 @@ export class Voice {
     return Math.max(0, this.line.end - this.position / this.contextRate) / this.rate;
   }
 
-  /** Is enough in store? */
-  get startable(): boolean {
-    return this.ended || (this.storeS > 0 && (this.held || this.storeS >= this.jitter.targetS));
+  /** Is enough in store? In a live talk time does as well: what is not yet played is gained. */
+  startable(frame: number): boolean {
+    if (this.ended || !this.frames) return this.ended;
+    const store = this.levelS === null ? this.storeS : this.levelS + (frame - this.arrived) / this.contextRate;
+    return this.held || store >= this.jitter.targetS;
   }
 
   /** Frames that can be rendered now; the filter looks ahead unless there is nothing to wait for. */
@@ -94,8 +96,9 @@ export class Voice {
     this.levelS = this.dry = null;
   }
 
-  /** From now on it is heard. */
-  start(): void {
+  /** From this frame on it is heard. */
+  start(frame: number): void {
+    if (this.levelS !== null) this.levelS += (frame - this.arrived) / this.contextRate;
     if (this.started) this.rise = 1 / (FADE_BACK_S * this.contextRate);
     this.started = this.playing = this.line.flows = true;
     this.dry = null;
@@ -139,8 +142,8 @@ export class Voice {
   private wish(frame: number): -1 | 0 | 1 {
     if (this.ended || this.stopped) return 0;
     const { targetS } = this.jitter;
-    const overdue = frame - this.arrived > OVERDUE_S * this.contextRate && this.storeS < targetS + SCANT_S;
-    const way = overdue ? 1 : this.levelS === null ? 0 : steer(this.levelS, targetS);
+    const missing = frame - this.arrived > Math.max(OVERDUE_S, targetS) * this.contextRate;
+    const way = missing && this.storeS < SCANT_S ? 1 : this.levelS === null ? 0 : steer(this.levelS, targetS);
     return this.held && way > 0 ? 0 : way;
   }
 
