@@ -113,7 +113,7 @@ def main() -> None:
         print(f"{x.talkers:>8}{x.lateness_ms[0]:>10.1f}{x.lateness_ms[1]:>8.1f}{x.lateness_ms[2]:>8.1f}"
               f"{x.first_ms[1]:>11.1f}{x.underruns:>11}{x.cpu_ms.get('python', 0.0):>9.2f}"
               f"{x.cpu_ms.get('mbrola', 0.0):>8.2f}{x.load_ms:>9.2f}"
-              f"{'' if x.holds else '  NOT held'}{f' ({x.refused} refused)' if x.refused else ''}")  # fmt: skip
+              f"{'' if x.holds else '  NOT held'}")  # fmt: skip
 
 
 def _figures(found: list[Level], held: list[Level]) -> dict[str, float]:

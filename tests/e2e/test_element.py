@@ -133,7 +133,7 @@ async def test_it_connects_again(browser: Browser, elsewhere: tuple[Path, str], 
               const head = document.querySelector("#head");
               window.lost = 0;
               head.addEventListener("disconnected", () => window.lost++);
-              window.outcome = head.speak("This will be heard to its end, whatever becomes of the connection.")
+              window.outcome = head.speak("This will be heard to its end, come what may.")
                 .finished.then(() => "finished", (e) => e.code ?? String(e));
             }"""
         )
