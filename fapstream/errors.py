@@ -127,10 +127,14 @@ class LocalProtocolError(ProtocolError):
 class RemoteProtocolError(ProtocolError):
     """The other side sent something the contract does not allow."""
 
-    def __init__(self, message: str, code: str = "protocol", fatal: bool = True) -> None:
+    def __init__(
+        self, message: str, code: str = "protocol", fatal: bool = True, turn: int | None = None
+    ) -> None:
         super().__init__(message)
         self.code = code
         self.fatal = fatal
+        self.turn = turn
+        """The turn concerned."""
 
 
 class SynthesisError(FapstreamError):

@@ -157,7 +157,7 @@ class Interrupt:
     turn: int
     """the turn"""
     heard: int | None = None
-    """samples of the turn heard until now; the last ack counts if absent"""
+    """samples of the turn heard until now; the server's own reckoning counts if absent"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,7 +170,7 @@ class Splice:
     char: int
     """code points of the turn's text that stay"""
     heard: int | None = None
-    """samples of the turn heard until now; the last ack counts if absent"""
+    """samples of the turn heard until now; the server's own reckoning counts if absent"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +183,7 @@ class Seek:
     back: int
     """0: the sentence being heard; 1: the one before it; and so on"""
     heard: int | None = None
-    """samples of the turn heard until now; the last ack counts if absent"""
+    """samples of the turn heard until now; the server's own reckoning counts if absent"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -144,12 +144,12 @@ class ServerSession(_Session):
         number = message.turn
         opening = number > self.last_turn
         if opening and not isinstance(message, g.Speak):
-            raise RemoteProtocolError(f"there is no turn {number}", code="unknown_turn", fatal=False)
+            raise RemoteProtocolError(f"there is no turn {number}", "unknown_turn", False, number)
         try:
             if not self._advance_turn("client", number, message.type):
                 return []
         except LocalProtocolError as e:
-            raise RemoteProtocolError(str(e), code="bad_message", fatal=False) from e
+            raise RemoteProtocolError(str(e), "bad_message", False, number) from e
         turn = self.turns[number]
         if turn.state == "stopping" and not isinstance(message, g.Interrupt):
             return []

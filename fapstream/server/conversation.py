@@ -64,6 +64,8 @@ class Conversation:
         self._queue: asyncio.Queue[Turn] = asyncio.Queue()
         self._taken = asyncio.Event()
         self._underruns = 0
+        self._heard_at = 0.0
+        """When what was said so far will have been heard."""
         self._speaker: asyncio.Task[None] | None = None
 
     @property
@@ -121,7 +123,7 @@ class Conversation:
         except RemoteProtocolError as e:
             if e.fatal:
                 raise
-            await self.send(g.Error(code=e.code, message=str(e)[:1000], fatal=False))
+            await self.send(g.Error(code=e.code, message=str(e)[:1000], fatal=False, turn=e.turn))
 
     async def _handle(self, event: ClientEvent) -> None:
         match event:
@@ -252,9 +254,10 @@ class Conversation:
         manner = manner_of(turn.opening, self._service, voice.lang).of(voice)
         synthesizer = await self._service.voices.acquire(voice)
         shared = self.audience is not None
-        pacer = turn.pacer = Pacer(
-            voice.sample_rate, SHARED_LEAD_S if shared else LEAD_S - GROUP_S, 0.0 if shared else GROUP_S
-        )
+        now = clock.now()
+        follows = self._heard_at if self._heard_at > now else None
+        lead, group = (SHARED_LEAD_S, 0.0) if shared else (LEAD_S - GROUP_S, GROUP_S)
+        pacer = turn.pacer = Pacer(voice.sample_rate, lead, group, follows)
         pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
         talk = Talk(
             pipeline,
@@ -312,6 +315,8 @@ class Conversation:
 
     async def _done(self, turn: Turn, reason: Reason) -> None:
         turn.over = True
+        now = self._service.clock.now()
+        self._heard_at = turn.pacer.ends(now) if turn.pacer and reason != "interrupted" else now
         self._turns.pop(turn.number, None)
         self._service.meter.count("turns", label=reason)
         if reason != "interrupted":

@@ -106,7 +106,8 @@ class Lobby:
         if name:
             guest.stage = conversation.audience = Stage(self._bus, name, conversation.id)
             guest.tasks.append(asyncio.create_task(self._watch(guest.stage, conversation)))
-        self._give_key(guest)
+        guest.key = f"{self._index}.{secrets.token_urlsafe(24)}"
+        self._guests[guest.key] = guest
         conversation.start(link)
         link.write(session.send(self._ready(guest)))
         return conversation
@@ -120,7 +121,6 @@ class Lobby:
         again = conversation.attach(link, hello.received or 0)
         if again is None:
             return None
-        self._give_key(guest)
         ready = replace(self._ready(guest), resumed=True, received=conversation.session.received)
         link.write(conversation.session.send(ready))
         for data in again:
@@ -158,11 +158,6 @@ class Lobby:
         if guest.stage:
             guest.stage.close()
         guest.leave()
-
-    def _give_key(self, guest: _Guest) -> None:
-        self._guests.pop(guest.key, None)
-        guest.key = f"{self._index}.{secrets.token_urlsafe(24)}"
-        self._guests[guest.key] = guest
 
     def _ready(self, guest: _Guest) -> g.Ready:
         name = guest.stage.name if guest.stage else None

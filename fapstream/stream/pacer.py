@@ -25,7 +25,11 @@ class Pacer:
     packet on, later when the turn ran dry, corrected by what the listener acknowledges.
     """
 
-    def __init__(self, sample_rate: int, lead_s: float = LEAD_S, group_s: float = 0.0) -> None:
+    def __init__(
+        self, sample_rate: int, lead_s: float = LEAD_S, group_s: float = 0.0, follows: float | None = None
+    ) -> None:
+        """`follows`: when the turn before it will have been heard; this one is heard no sooner."""
+        self._follows = follows
         self._sample_rate = sample_rate
         self._lead_s = lead_s
         self._group = max(1, round(group_s * sample_rate))
@@ -36,14 +40,18 @@ class Pacer:
     def due(self, sample: int, now: float) -> float:
         """The time from which the packet that begins at `sample` may leave."""
         if self._origin is None:
-            return now
+            return now if self._follows is None else max(now, self._follows - self._lead_s)
         at = sample // self._group * self._group / self._sample_rate
-        return self._origin + max(at - self._lead_s, (at - FIRST_S) / BUILD_UP)
+        built_up = -self._lead_s if self._follows is not None else (at - FIRST_S) / BUILD_UP
+        return self._origin + max(at - self._lead_s, built_up)
 
     def sent(self, start: int, end: int, now: float) -> None:
         """A packet has left. One that comes after its time shifts everything behind it."""
         late = now - start / self._sample_rate
-        self._origin = late if self._origin is None else max(self._origin, late)
+        if self._origin is None:
+            self._origin = max(late, self._follows or late)
+        else:
+            self._origin = max(self._origin, late)
         self._sent_end = max(self._sent_end, end)
 
     def discard(self, sample: int) -> None:
@@ -65,6 +73,12 @@ class Pacer:
         if self._origin is None:
             return 0
         return max(0, min(self._sent_end, int((now - self._origin) * self._sample_rate)))
+
+    def ends(self, now: float) -> float:
+        """When all that was sent will have been heard."""
+        if self._origin is None or self._paused_at is not None:
+            return now
+        return max(now, self._origin + self._sent_end / self._sample_rate)
 
     def pause(self, now: float) -> None:
         """What is heard stands still."""

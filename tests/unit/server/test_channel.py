@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fapstream.errors import RemoteProtocolError
@@ -213,6 +213,7 @@ def test_no_entry_whatever_harms_a_channel(entry: bytes) -> None:
     channel.take(pack_entry("1", entry))
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(0, 200), max_size=20))
 def test_entries_may_be_lost_anywhere(lost: list[int]) -> None:
     """What a listener decodes is never wrong, whatever the bus loses as long as it says so."""

@@ -54,7 +54,7 @@ async def test_a_session_goes_on_over_another_connection(taken: int) -> None:
     assert welcome.resumed
     assert welcome.session == ready.session
     assert welcome.received == 2, "speak and end"
-    assert welcome.resume != ready.resume
+    assert welcome.resume == ready.resume
     packets, done = await again.rest_of_turn(1)
     heard = [m for m in had if isinstance(m, g.Packet)] + packets
     ends = np.cumsum([len(p.pcm) for p in heard if p.pcm is not None])
@@ -368,3 +368,21 @@ async def test_revisions_of_a_turn_that_is_over_are_ignored() -> None:
             g.Ping(id=1),
         )
         assert (await p.next()).id == 1
+
+
+@in_virtual_time
+async def test_the_lead_does_not_add_up_over_turns() -> None:
+    """SPEC 3.1: at most 1.5 s ahead of what is heard, over all turns."""
+    async with peer() as p:
+        for turn in range(1, 9):
+            p.send(*say(turn, "One two three. "))
+        loop = asyncio.get_running_loop()
+        start, sent = None, 0.0
+        while True:
+            message = await p.next()
+            start = loop.time() if start is None else start
+            if isinstance(message, g.Packet) and message.pcm is not None:
+                sent += len(message.pcm) / 16000
+                assert sent <= loop.time() - start + 1.5 + 0.04
+            if isinstance(message, g.Done) and message.turn == 8:
+                break

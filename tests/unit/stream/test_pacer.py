@@ -122,3 +122,15 @@ def test_what_is_void_cannot_have_been_heard() -> None:
     send(pacer, 50, now=0.0)
     pacer.discard(2 * PACKET)
     assert pacer.heard(60.0) == 2 * PACKET
+
+
+def test_a_turn_that_follows_another_waits_until_that_is_nearly_heard() -> None:
+    first = Pacer(RATE)
+    send(first, 100, now=10.0)
+    assert first.ends(10.0) == pytest.approx(14.0)
+    second = Pacer(RATE, follows=first.ends(10.0))
+    assert second.due(0, 10.0) == pytest.approx(14.0 - LEAD_S)
+    second.sent(0, PACKET, 12.5)
+    assert second.heard(13.9) == 0
+    assert second.heard(14.02) == pytest.approx(0.02 * RATE, abs=1)
+    assert second.due(RATE, 12.5) == pytest.approx(15.0 - LEAD_S)

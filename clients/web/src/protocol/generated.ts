@@ -131,7 +131,7 @@ export interface Interrupt {
   type: "interrupt";
   /** the turn */
   turn: number;
-  /** samples of the turn heard until now; the last ack counts if absent */
+  /** samples of the turn heard until now; the server's own reckoning counts if absent */
   heard?: number;
 }
 
@@ -142,7 +142,7 @@ export interface Splice {
   turn: number;
   /** code points of the turn's text that stay */
   char: number;
-  /** samples of the turn heard until now; the last ack counts if absent */
+  /** samples of the turn heard until now; the server's own reckoning counts if absent */
   heard?: number;
 }
 
@@ -153,7 +153,7 @@ export interface Seek {
   turn: number;
   /** 0: the sentence being heard; 1: the one before it; and so on */
   back: number;
-  /** samples of the turn heard until now; the last ack counts if absent */
+  /** samples of the turn heard until now; the server's own reckoning counts if absent */
   heard?: number;
 }
 
