@@ -17,8 +17,8 @@ MOST_S = 1.2
 WINDOW_S = 20.0
 QUANTILE = 0.995
 """Of the lateness in the window. The latest alone does not count: one stall is no habit."""
-GROW_S = 0.2
-"""One underrun lets the target grow by no more."""
+GROW_S, MARGIN_S = 0.2, 0.02
+"""One underrun lets the target grow by no more than this; and by so much more than what was missing."""
 DECAY_S = 60.0
 BURST = 0.5
 """A packet that comes within this part of its own duration after the one before waited with it."""
@@ -54,8 +54,8 @@ class Jitter:
         return late
 
     def underrun(self, dry_s: float) -> None:
-        """The sound had been dry for `dry_s` when it came: so much more would have been enough."""
-        self.target_s = min(MOST_S, self.target_s + min(dry_s, GROW_S))
+        """The sound had been dry for `dry_s` when it came: so much would just have been enough."""
+        self.target_s = min(MOST_S, self.target_s + min(dry_s + MARGIN_S, GROW_S))
 
     def ease(self, now_s: float) -> None:
         """The target rises to what the window asks for, and comes down slowly."""

@@ -17,6 +17,8 @@ FADE_BACK_S = 0.01
 """A turn that goes on within a sound comes back more softly than one that begins."""
 SPEECH_EVERY, QUIET_EVERY = 20, 2
 """After a change, this many times its length passes unchanged: 5 % in speech, half of a pause."""
+PATIENCE_S = 3.0
+"""A store has to be too large for so long before it shrinks: the network may turn out to need it."""
 RETRY_S = 0.01
 OVERDUE_S = 0.06
 """A packet that does not come for so long, and longer than the network is known for, is missing."""
@@ -40,6 +42,8 @@ class Voice:
         self._rise = 1 / (FADE_IN_S * rate)
         self._arrived = 0
         self._level_s: float | None = None
+        self._above: int | None = None
+        """The frame since which the store is too large."""
         self._free = 0
         """Where in the line the next change may be."""
 
@@ -134,8 +138,15 @@ class Voice:
         if self.ended or self.stopped:
             return 0
         target_s = self._jitter.target_s
-        way = 0 if self._level_s is None else steer(self._level_s, target_s)
+        way = self._patient(0 if self._level_s is None else steer(self._level_s, target_s), frame)
         missing = frame - self._arrived > max(OVERDUE_S, target_s) * self._rate
         if missing and self.line.queued < SCANT_S * self._rate:
             way = 1
         return 0 if self.held and way > 0 else way
+
+    def _patient(self, way: int, frame: int) -> int:
+        if way >= 0:
+            self._above = None
+            return way
+        self._above = frame if self._above is None else self._above
+        return way if frame - self._above >= PATIENCE_S * self._rate else 0

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fapstream.stream.jitter import DECAY_S, FLOOR_S, GROW_S, MOST_S, Jitter, steer
+from fapstream.stream.jitter import DECAY_S, FLOOR_S, GROW_S, MARGIN_S, MOST_S, Jitter, steer
 
 PACKET_S = 0.04
 
@@ -50,9 +50,9 @@ def test_an_underrun_counts_at_once_within_bounds_and_is_slowly_forgotten() -> N
     jitter = Jitter()
     run(jitter, [0.0] * 10)
     jitter.underrun(0.07)
-    assert jitter.target_s == pytest.approx(FLOOR_S + 0.07)
+    assert jitter.target_s == pytest.approx(FLOOR_S + 0.07 + MARGIN_S)
     jitter.underrun(9.0)
-    assert jitter.target_s == pytest.approx(FLOOR_S + 0.07 + GROW_S)
+    assert jitter.target_s == pytest.approx(FLOOR_S + 0.07 + MARGIN_S + GROW_S)
     top = jitter.target_s
     targets = run(jitter, [0.0] * 1600, 10)
     assert targets[round(DECAY_S / PACKET_S)] == pytest.approx(FLOOR_S + (top - FLOOR_S) / 2.72, rel=0.05)

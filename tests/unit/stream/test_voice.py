@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from fapstream.stream.jitter import FLOOR_S, Jitter
-from fapstream.stream.voice import OVERDUE_S, QUIET_EVERY, SPEECH_EVERY, Voice
+from fapstream.stream.voice import OVERDUE_S, PATIENCE_S, QUIET_EVERY, SPEECH_EVERY, Voice
 from tests.unit.stream.test_line import VOICE
 
 RATE = 16_000
 PACKET = 640
+PATIENT = round(PATIENCE_S * RATE)
 
 
 def voice_of(live: bool, packets: int) -> Voice:
@@ -48,29 +49,36 @@ def test_a_live_talk_may_start_with_a_packet_once_the_rest_has_passed_as_time() 
 def test_only_a_live_talk_shrinks(live: bool, packets: int, way: int) -> None:
     voice = voice_of(live, packets)
     before = voice.line.queued
-    size = voice.fit(0)
+    assert voice.fit(0) == 0
+    voice._arrived = PATIENT
+    assert voice.fit(PATIENT - 1) == 0, "not at once"
+    size = voice.fit(PATIENT)
     assert voice.line.queued - before == way * size
     assert (size > 0) == (way != 0)
 
 
 def test_after_a_change_most_of_speech_and_half_of_a_pause_pass_as_they_are() -> None:
     voice = voice_of(True, 40)
-    size = voice.fit(0)
+    assert voice.fit(0) == 0
+    voice._arrived = PATIENT
+    size = voice.fit(PATIENT)
     assert size > 0
     voice.take(size, False)
     while voice.line.at < 1000 + SPEECH_EVERY * size:
-        assert voice.fit(0) == 0
+        assert voice.fit(PATIENT) == 0
         voice.take(100, False)
-    assert voice.fit(0) > 0
+    assert voice.fit(PATIENT) > 0
     quiet = Voice(1, True, RATE, Jitter())
     quiet.push(0, np.zeros(16_000, np.int16), False, 0)
     quiet.start(0)
     quiet.take(1000, False)
-    assert quiet.fit(0) == 240
+    assert quiet.fit(0) == 0
+    quiet._arrived = PATIENT
+    assert quiet.fit(PATIENT) == 240
     while quiet.line.at < 1000 + QUIET_EVERY * 240:
-        assert quiet.fit(0) == 0
+        assert quiet.fit(PATIENT) == 0
         quiet.take(100, False)
-    assert quiet.fit(0) == 240
+    assert quiet.fit(PATIENT) == 240
 
 
 @pytest.mark.parametrize("live", [True, False])

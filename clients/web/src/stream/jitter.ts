@@ -10,8 +10,9 @@ export const MOST_S = 1.2;
 const WINDOW_S = 20;
 /** Of the lateness in the window. The latest alone does not count: one stall is no habit. */
 const QUANTILE = 0.995;
-/** One underrun lets the target grow by no more. */
+/** One underrun lets the target grow by no more than this; and by so much more than what was missing. */
 const GROW_S = 0.2;
+const MARGIN_S = 0.02;
 const DECAY_S = 60;
 /** A packet that comes within this part of its own duration after the one before waited with it. */
 const BURST = 0.5;
@@ -46,9 +47,9 @@ export class Jitter {
     return late;
   }
 
-  /** The sound had been dry for `dryS` when it came: so much more would have been enough. */
+  /** The sound had been dry for `dryS` when it came: so much would just have been enough. */
   underrun(dryS: number): void {
-    this.targetS = Math.min(MOST_S, this.targetS + Math.min(dryS, GROW_S));
+    this.targetS = Math.min(MOST_S, this.targetS + Math.min(dryS + MARGIN_S, GROW_S));
   }
 
   /** The target rises to what the window asks for, and comes down slowly. */

@@ -14,6 +14,8 @@ const FADE_BACK_S = 0.01;
 /** After a change, this many times its length passes unchanged: 5 % in speech, half of a pause. */
 const SPEECH_EVERY = 20;
 const QUIET_EVERY = 2;
+/** A store has to be too large for so long before it shrinks: the network may turn out to need it. */
+const PATIENCE_S = 3;
 const RETRY_S = 0.01;
 /** A packet that does not come for so long, and longer than the network is known for, is missing. */
 const OVERDUE_S = 0.06;
@@ -38,6 +40,8 @@ export class Voice {
   private rise: number;
   private arrived = 0;
   private levelS: number | null = null;
+  /** The frame since which the store is too large. */
+  private above: number | null = null;
   /** Where in the line the next change may be. */
   private free = 0;
 
@@ -143,8 +147,18 @@ export class Voice {
     if (this.ended || this.stopped) return 0;
     const { targetS } = this.jitter;
     const missing = frame - this.arrived > Math.max(OVERDUE_S, targetS) * this.contextRate;
-    const way = missing && this.storeS < SCANT_S ? 1 : this.levelS === null ? 0 : steer(this.levelS, targetS);
+    const wanted = this.patient(this.levelS === null ? 0 : steer(this.levelS, targetS), frame);
+    const way = missing && this.storeS < SCANT_S ? 1 : wanted;
     return this.held && way > 0 ? 0 : way;
+  }
+
+  private patient(way: -1 | 0 | 1, frame: number): -1 | 0 | 1 {
+    if (way >= 0) {
+      this.above = null;
+      return way;
+    }
+    this.above ??= frame;
+    return frame - this.above >= PATIENCE_S * this.contextRate ? way : 0;
   }
 
   /** New sound has come at `frame`, when `before` frames could be rendered. Is it late? */

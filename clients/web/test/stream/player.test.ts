@@ -304,7 +304,7 @@ describe("the store", () => {
     rig.begin(1, 16000, true);
     let sent = rig.feed(1, 16000, 10);
     const stores: number[] = [];
-    for (let k = 0; k < 250; k++) {
+    for (let k = 0; k < 400; k++) {
       sent = rig.feed(1, 16000, 1, sent);
       rig.run(0.04);
       stores.push(rig.player.stats.storeMs);
