@@ -91,7 +91,13 @@ async def work(plan: Plan, index: int, ready: Callable[[str, int], None], parent
     watch_by_descriptor()
     pool = VoicePool(on_event=partial(_count_voice, meter))
     bus = HubBus(str(plan.folder / HUB_SOCKET)) if plan.folder and plan.bus is None else open_bus(plan.bus)
-    bus.on_state(lambda there: log.warning("the bus is %s", "back" if there else "away"))
+    bus.on_state(
+        lambda there: (
+            log.info("the bus is there")
+            if there
+            else log.warning("the bus is away: listeners elsewhere hear nothing until it is back")
+        )
+    )
     lag = asyncio.create_task(_watch_lag(meter))
     try:
         app = _app(plan, index, pool, bus, meter)

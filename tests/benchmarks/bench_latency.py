@@ -2,7 +2,8 @@
 voices need by themselves, in the same run.
 
 The sentence has 20 words and is sent whole. Leading silence does not count: the packet is the one that holds
-the onset of the first sounding phone. Last, a text that arrives at 5 words a second.
+the onset of the first sounding phone. Then the same while others speak, on a server with a worker for each
+processor, each time over a new connection; last, a text that arrives at 5 words a second.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -130,20 +132,51 @@ def _command_ms(command: list[str]) -> float:
     return elapsed
 
 
+def in_a_crowd(others: int, runs: int) -> list[float]:
+    """Text to first packet while so many others speak."""
+    workers = str(os.cpu_count() or 1)
+    most = ("--max-sessions-per-address", "999", "--max-sessions", "999", "--workers", workers)
+    with server("--lang", "en", "--voice", "us1", *most) as (address, _):
+        crowd = subprocess.Popen(
+            [sys.executable, "-m", "tests.benchmarks.load", address, str(others)],
+            stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert crowd.stdout
+        try:
+            crowd.stdout.readline()
+            return asyncio.run(whole_sentences(address, runs))
+        finally:
+            crowd.kill()
+            crowd.wait()
+
+
+async def whole_sentences(address: str, runs: int) -> list[float]:
+    """One after the other, each on a connection that another worker may have."""
+    out = []
+    for _ in range(runs):
+        async with fapstream.connect(f"ws://{address}/ws", lang="en") as talker:
+            out.append(await first_packet_ms(talker, SENTENCE))
+        await asyncio.sleep(0.02)
+    return out
+
+
 def main() -> None:
     """Print the table, or one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--others", type=int, default=100, help="that speak at the same time")
     args = parser.parse_args()
     floor = mbrola_floor_ms(args.runs)
     espeak = espeak_ng_ms(min(args.runs, 30))
     with server("--lang", "en", "--voice", "us1") as (address, _):
         whole, trickled = asyncio.run(measure(address, args.runs))
+    crowded = in_a_crowd(args.others, args.runs)
     rows: list[tuple[str, str, list[float]]] = [
         ("first_packet_ms", "text sent to first phone's packet with FAPs, loopback", whole),
         ("mbrola_floor_ms", "warm MBROLA alone, ready .pho to first byte", floor),
         ("espeak_ng_ms", "espeak-ng command, text to first byte", espeak),
+        ("crowded_ms", f"the first again, while {args.others} others speak", crowded),
         ("trickle_ms", f"text at {WORDS_PER_S:g} words/s: first word heard (third arrives at 400)", trickled),
     ]
     figures = {

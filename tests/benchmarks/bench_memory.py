@@ -1,7 +1,7 @@
 """What a session costs in memory, and whether any of it stays when sessions come and go.
 
-Proportional set size of the server and its voices: shared pages count by share. The baseline is the same server
-before anybody came.
+Proportional set size of the server and its voices: shared pages count by share. The baseline is the same
+server before anybody came.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import msgpack
 from fapstream.protocol import generated as g
 from tests.benchmarks.bench_listeners import Listener
 from tests.benchmarks.bench_talkers import VOICES
-from tests.benchmarks.load import Tally, Talker, connect, pss_kb, raise_file_limit
+from tests.benchmarks.load import Talker, Tally, connect, pss_kb, raise_file_limit
 from tests.benchmarks.server import server
 
 AT_ONCE = 40
@@ -120,7 +120,14 @@ def main() -> None:
     parser.add_argument("--each", type=int, default=200, help="of a kind, to measure one")
     args = parser.parse_args()
     raise_file_limit()
-    most = ("--max-sessions", "9999", "--max-sessions-per-address", "9999", "--max-listeners-per-address", "9999")
+    most = (
+        "--max-sessions",
+        "9999",
+        "--max-sessions-per-address",
+        "9999",
+        "--max-listeners-per-address",
+        "9999",
+    )
     with server("--channel", "news", *most) as (address, pid):
         found = asyncio.run(measure(address, pid, args.sessions, args.each))
     if args.json:

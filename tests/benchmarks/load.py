@@ -9,6 +9,7 @@ import asyncio
 import os
 import resource
 import struct
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -319,3 +320,18 @@ def pss_kb(pid: int) -> int:
         except OSError:
             continue
     return total
+
+
+async def speak_on(address: str, n: int, voices: list[tuple[str, str]]) -> None:
+    """So many talkers until the process is ended; says `up` once all speak."""
+    talkers = [Talker(number, Tally(), voices) for number in range(n)]
+    for talker in talkers:
+        await talker.start(address)
+        await asyncio.sleep(0.03)
+    print("up", flush=True)
+    await asyncio.Event().wait()
+
+
+if __name__ == "__main__":
+    raise_file_limit()
+    asyncio.run(speak_on(sys.argv[1], int(sys.argv[2]), [("us1", "en"), ("us2", "en"), ("gr2", "el")]))

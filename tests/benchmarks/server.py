@@ -21,4 +21,4 @@ def server(*arguments: str) -> Iterator[tuple[str, int]]:
         yield line.split("http://")[1].strip().rstrip("/"), process.pid
     finally:
         process.terminate()
-        process.wait(10)
+        process.wait(40)

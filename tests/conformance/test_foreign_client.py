@@ -1,6 +1,4 @@
-"""A second client, written by somebody else from protocol/SPEC.md alone, in another language: it must get along
-with a real server.
-"""
+"""A second client, written from protocol/SPEC.md alone, in another language: it must get along with a server."""
 
 from __future__ import annotations
 
@@ -16,7 +14,20 @@ from tests.e2e.servers import serving
 
 CLIENT = Path(__file__).parent / "foreign" / "client.pl"
 SCHEMA = Path(__file__).parents[2] / "protocol" / "schema"
-ACTS = ("speak", "pacing", "interrupt", "resume", "listen", "pause", "splice", "seek", "errors", "queue", "ahead", "live")
+ACTS = (
+    "speak",
+    "pacing",
+    "interrupt",
+    "resume",
+    "listen",
+    "pause",
+    "splice",
+    "seek",
+    "errors",
+    "queue",
+    "ahead",
+    "live",
+)
 
 
 def missing() -> str:

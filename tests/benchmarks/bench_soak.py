@@ -1,14 +1,14 @@
-#!/usr/bin/env python3
 """Treat a server as the internet does, for as long as you like: talkers, listeners, visitors, interruptions,
 connections that break, killed voices. Prints a line a minute; fails on any leak, stutter or untyped error.
 
-    tools/soak.py [--minutes 30] [--talkers 60]
+    tools/bench soak [--minutes 30] [--talkers 60]
 """
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import json
 import os
 import random
 import signal
@@ -16,18 +16,16 @@ import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from fapstream.client import ServerError, connect  # noqa: E402
-from tests.benchmarks.bench_listeners import Listener  # noqa: E402
-from tests.benchmarks.bench_memory import visit  # noqa: E402
-from tests.benchmarks.bench_talkers import VOICES  # noqa: E402
-from tests.benchmarks.load import Tally, Talker, pss_kb, raise_file_limit, tree  # noqa: E402
-from tests.benchmarks.server import server  # noqa: E402
-from tests.e2e.link import Link  # noqa: E402
+from fapstream.client import ServerError, connect
+from fapstream.client import Talker as Client
+from tests.benchmarks.bench_listeners import Listener
+from tests.benchmarks.bench_memory import visit
+from tests.benchmarks.bench_talkers import VOICES
+from tests.benchmarks.load import Talker, Tally, pss_kb, raise_file_limit, tree
+from tests.benchmarks.server import server
+from tests.e2e.link import Link
 
 LATE_MS = 120.0
 """99 in 100 packets have to be earlier, while voices are killed and connections break."""
@@ -67,7 +65,7 @@ class Soak:
                         self.wrong.append(f"a fickle client: {e!r}")
                     await asyncio.sleep(1)
 
-    async def _change_mind(self, talker, link) -> None:  # type: ignore[no-untyped-def]
+    async def _change_mind(self, talker: Client, link: Link) -> None:
         for _ in range(4):
             turn = await talker.say(TEXT)
             await asyncio.sleep(self.chance.uniform(0.2, 1.5))
@@ -163,14 +161,18 @@ async def soak(address: str, pid: int, seconds: float, talkers: int) -> list[str
     run.wrong += [f"a listener was told {code}" for one in listeners for code in one.errors]
     for one in (*load, speaker):
         one.stop()
+    await asyncio.sleep(0.5)
     return run.wrong
 
 
 def main() -> int:
     """0 if nothing went wrong."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--minutes", type=float, default=30.0)
     parser.add_argument("--talkers", type=int, default=60)
+    parser.add_argument("--json", action="store_true", help="nothing but whether it held, at the end")
     args = parser.parse_args()
     raise_file_limit()
     most = ("--max-sessions-per-address", "999", "--max-listeners-per-address", "999")
@@ -178,7 +180,10 @@ def main() -> int:
         wrong = asyncio.run(soak(address, pid, 60 * args.minutes, args.talkers))
     for line in wrong:
         print(f"soak: {line}", file=sys.stderr)
-    print("held" if not wrong else f"NOT held: {len(wrong)} things went wrong")
+    if args.json:
+        print(json.dumps({"held": not wrong, "wrong": wrong[:20]}))
+    else:
+        print("held" if not wrong else f"NOT held: {len(wrong)} things went wrong")
     return int(bool(wrong))
 
 
