@@ -48,6 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TEXT",
         help="what the server is to say; `-` reads it from stdin as it arrives",
     )
+    parser.add_argument(
+        "--listen", metavar="CHANNEL", help="show what is spoken into a channel of the server"
+    )
+    parser.add_argument("--token", help="what allows it, where the server asks for that")
     parser.add_argument("--lang", choices=LANGUAGES, help="language of what is said")
     parser.add_argument("--voice", help="voice, see `fapstream voices`")
     parser.add_argument("--rate", type=rate, default=1.0, help="speaking rate, 1 is normal")
@@ -101,6 +105,8 @@ def _check(args: argparse.Namespace) -> None:
         raise InputError("--wav is the sound of a FAP file; which? (--fap F)")
     if args.fap and (args.url or args.say is not None):
         raise InputError("show a server or a file (--fap), not both")
+    if args.listen is not None and (args.fap or args.headless or args.say is not None):
+        raise InputError("--listen shows what others say, in a window")
     if args.headless != (args.frames is not None):
         raise InputError("--headless and --frames DIR go together")
     if args.headless and not args.fap and args.say is None:
@@ -153,7 +159,7 @@ async def _script(args: argparse.Namespace, show: Show) -> None:
 
 
 def _wish(args: argparse.Namespace) -> Wish:
-    return Wish(args.url or URL, args.say, args.lang, args.voice, args.rate)
+    return Wish(args.url or URL, args.say, args.lang, args.voice, args.rate, args.token, args.listen)
 
 
 def _warn(text: str) -> None:

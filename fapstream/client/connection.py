@@ -136,6 +136,7 @@ class Talker:
         self._broken: BaseException | None = None
         self._ready: asyncio.Future[g.Ready] = asyncio.get_running_loop().create_future()
         self._newest: g.Ready | None = None
+        self._over = asyncio.Event()
 
     async def open(self) -> g.Ready:
         """Wait for the server's greeting."""
@@ -179,6 +180,12 @@ class Talker:
     async def acknowledge(self, turn: Turn, sample: int, queue: int = 0) -> None:
         """Tell the server which sample is being heard; whoever plays the sound should, now and then."""
         await self.send(g.Ack(turn=turn.number, sample=sample, queue=queue, underruns=0, skew=0))
+
+    async def closed(self) -> None:
+        """Wait for the end of the session, and raise what ended it."""
+        await self._over.wait()
+        assert self._broken
+        raise self._broken
 
     async def send(self, message: g.ClientMessage) -> None:
         """Raises LocalProtocolError, and what ended the session if it is over."""
@@ -225,6 +232,7 @@ class Talker:
 
     def _fail(self, error: BaseException) -> None:
         self._broken = self._broken or error
+        self._over.set()
         if not self._ready.done():
             self._ready.set_exception(error)
             self._ready.exception()  # whoever waits is told; nobody has to

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 from websockets.exceptions import InvalidStatus, InvalidURI, WebSocketException
 
 from fapstream.adapters.stdin import chunks
-from fapstream.client import Talker, Turn, connect
+from fapstream.client import Talker, Turn, connect, listen
 from fapstream.errors import FapstreamError, InputError
 from fapstream.protocol import generated as g
 from fapstream.records import FapFrame, Packet
@@ -20,7 +19,6 @@ from fapstream.viewer.clip import SILENT_RATE, Clip
 from fapstream.viewer.show import Show
 
 ACK_S = 0.25
-PING_S = 10.0
 STDIN = "-"
 
 
@@ -39,16 +37,20 @@ class Wish:
     lang: str | None = None
     voice: str | None = None
     rate: float = 1.0
+    token: str | None = None
+    channel: str | None = None
+    """Listen to this channel; nothing is said then."""
 
 
 async def perform(wish: Wish, show: Show) -> None:
-    """Say it, and stay connected. Raises ConnectionLost, ServerError, InputError."""
+    """Say it, or listen, and stay connected. Raises ConnectionLost, ServerError, InputError."""
+    if wish.channel is not None:
+        await _attend(wish, wish.channel, show)
+        return
     async with _connected(wish) as talker:
         if wish.text is not None:
             await _perform_turn(talker, wish, show)
-        for number in itertools.count(1):
-            await asyncio.sleep(PING_S)
-            await talker.send(g.Ping(id=number))
+        await talker.closed()
 
 
 async def collect(wish: Wish) -> Clip:
@@ -70,6 +72,31 @@ async def collect(wish: Wish) -> Clip:
     return Clip(begin.sample_rate, pcm, tuple(frames), end)
 
 
+async def _attend(wish: Wish, channel: str, show: Show) -> None:
+    """What is spoken into a channel, as it is spoken."""
+    begun = 0
+    with _understood(wish.url):
+        async with listen(wish.url, channel, token=wish.token) as audience:
+            async for event in audience:
+                match event:
+                    case g.Live():
+                        show.close()
+                        begun = 0
+                    case g.Begin() if event.turn != begun:
+                        begun = event.turn
+                        show.begin(event.turn, event.sample_rate, live=True)
+                    case Packet():
+                        show.push(event)
+                    case g.Discard():
+                        show.discard(event.turn, event.sample)
+                    case g.Pause() | g.Continue():
+                        show.pause(isinstance(event, g.Pause))
+                    case g.Done():
+                        show.end(event.turn)
+                    case _:
+                        pass
+
+
 async def _perform_turn(talker: Talker, wish: Wish, show: Show) -> None:
     async with _speaking(talker, wish) as turn:
         reporter = asyncio.create_task(_report(talker, turn, show))
@@ -79,6 +106,8 @@ async def _perform_turn(talker: Talker, wish: Wish, show: Show) -> None:
                     show.begin(event.turn, event.sample_rate)
                 elif isinstance(event, Packet):
                     show.push(event)
+                elif isinstance(event, g.Discard):
+                    show.discard(event.turn, event.sample)
                 else:
                     show.end(event.turn)
         finally:
@@ -119,16 +148,23 @@ async def _feed(turn: Turn, text: str) -> None:
 
 @asynccontextmanager
 async def _connected(wish: Wish) -> AsyncIterator[Talker]:
-    try:
-        async with connect(wish.url, lang=wish.lang, voice=wish.voice) as talker:
+    with _understood(wish.url):
+        async with connect(wish.url, lang=wish.lang, voice=wish.voice, token=wish.token) as talker:
             yield talker
+
+
+@contextmanager
+def _understood(url: str) -> Iterator[None]:
+    """What goes wrong with a connection, in our own words."""
+    try:
+        yield
     except InvalidURI as e:
-        raise InputError(f"{wish.url!r} is no address of a server; one is ws://127.0.0.1:8765/ws") from e
+        raise InputError(f"{url!r} is no address of a server; one is ws://127.0.0.1:8765/ws") from e
     except InvalidStatus as e:
         raise ConnectionLost(
-            f"{wish.url} answers with HTTP {e.response.status_code}; a server's address ends in /ws"
+            f"{url} answers with HTTP {e.response.status_code}; a server's address ends in /ws"
         ) from e
     except (OSError, WebSocketException, TimeoutError) as e:
         raise ConnectionLost(
-            f"no connection to {wish.url}: {e or type(e).__name__}; is `fapstream serve` running?"
+            f"no connection to {url}: {e or type(e).__name__}; is `fapstream serve` running?"
         ) from e

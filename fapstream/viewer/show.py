@@ -76,6 +76,17 @@ class Show:
         if self._sound:
             self._sound.end(turn)
 
+    def discard(self, turn: int, sample: int) -> None:
+        """What the turn had from a sample on is void."""
+        if self._sound and turn in self._buffers:
+            self._buffers[turn].discard(sample)
+            self._sound.discard(turn, sample)
+
+    def pause(self, on: bool) -> None:
+        """Stand still, or go on."""
+        if self._sound:
+            self._sound.pause(on)
+
     @property
     def busy(self) -> bool:
         """Is something said that has not been heard to its end?"""

@@ -105,6 +105,16 @@ class Sound:
         with self._lock:
             self._playback.player.end(turn)
 
+    def discard(self, turn: int, sample: int) -> None:
+        """See Player."""
+        with self._lock:
+            self._playback.player.discard(turn, sample)
+
+    def pause(self, on: bool) -> None:
+        """See Player."""
+        with self._lock:
+            self._playback.player.pause(on)
+
     def heard(self, later_s: float = 0.0) -> Heard | None:
         """What is heard now, or will be in a moment."""
         self._device.poll()

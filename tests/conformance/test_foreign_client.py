@@ -1,4 +1,4 @@
-"""A second client, written from protocol/SPEC.md alone, in another language: it must get along with a server."""
+"""A second client, written from protocol/SPEC.md alone, in another language, gets along with a server."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fapstream.client import ServerError
+from fapstream.client import ServerError, connect
 from fapstream.errors import InputError
 from fapstream.protocol import generated as g
 from fapstream.records import Packet
@@ -38,8 +38,19 @@ class Stage:
         self.samples = 0
         self.over = asyncio.Event()
 
-    def begin(self, turn: int, sample_rate: int) -> None:
+    def begin(self, turn: int, sample_rate: int, live: bool = False) -> None:
         self.told.append(("begin", turn, sample_rate))
+        self.live = live
+
+    def close(self) -> None:
+        self.told.append("close")
+
+    def discard(self, turn: int, sample: int) -> None:
+        self.told.append(("discard", turn))
+        self.samples = min(self.samples, sample)
+
+    def pause(self, on: bool) -> None:
+        self.told.append(("pause", on))
 
     def push(self, packet: Packet) -> None:
         assert packet.start == self.samples
@@ -115,11 +126,30 @@ async def test_what_goes_wrong_is_said() -> None:
             await collect(Wish(url, LONG))
 
 
-async def test_a_server_that_goes_away_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "PING_S", 0.05)
+async def test_a_server_that_goes_away_is_noticed() -> None:
     async with served() as url:
         task = asyncio.create_task(perform(Wish(url), Stage()))  # type: ignore[arg-type]
         await asyncio.sleep(0.3)
         assert not task.done()
     with pytest.raises((ConnectionLost, ServerError)):
         await asyncio.wait_for(task, 5)
+
+
+async def test_what_is_spoken_into_a_channel_is_shown() -> None:
+    async with served() as url, connect(url, channel="news") as talker:
+        stage = Stage()
+        showing = asyncio.create_task(perform(Wish(url, channel="news"), stage))  # type: ignore[arg-type]
+        await asyncio.sleep(0.3)
+        turn = await talker.say("One two three four five six seven eight nine ten.")
+        await asyncio.sleep(0.3)
+        await turn.pause()
+        await turn.go_on()
+        await turn.splice(3, " and that is all. ")
+        await turn.end()
+        done = await turn.finished()
+        await asyncio.wait_for(stage.over.wait(), 10)
+        assert stage.samples == done.samples
+        assert stage.live
+        kinds = [told[0] for told in stage.told if isinstance(told, tuple)]
+        assert kinds == ["begin", "pause", "pause", "discard", "end"]
+        showing.cancel()
