@@ -147,7 +147,7 @@ class ServerSession(_Session):
             raise RemoteProtocolError(f"there is no turn {number}", "unknown_turn", False, number)
         try:
             if not self._advance_turn("client", number, message.type):
-                return []
+                return [message] if isinstance(message, g.Ack) else []
         except LocalProtocolError as e:
             raise RemoteProtocolError(str(e), "bad_message", False, number) from e
         turn = self.turns[number]

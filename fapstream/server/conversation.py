@@ -56,6 +56,8 @@ class Conversation:
         self.id = f"{time.time_ns() // 1_000_000:012x}{secrets.token_hex(3)}"
         """Names it, in logs and to listeners; no secret. Sorts by when it began."""
         self.link: Link | None = None
+        self.links = 0
+        """Connections it has had."""
         self.audience: Audience | None = None
         self.session = session
         self._service = service
@@ -81,6 +83,7 @@ class Conversation:
     def start(self, link: Link) -> None:
         """Begin to speak turns as they come."""
         self.link = link
+        self.links = 1
         self._speaker = asyncio.create_task(self._speak_turns())
 
     def attach(self, link: Link, received: int) -> list[bytes] | None:
@@ -92,6 +95,7 @@ class Conversation:
         if again is not None:
             self.session.sent.forget(received)
             self.link = link
+            self.links += 1
             self._taken.set()
         return again
 

@@ -142,12 +142,13 @@ class Lobby:
             return
         conversation.detach(link)
         closed = conversation.session.state == "closed"
-        self._later(self._forget(conversation, 0 if closed else g.LINGER_MS / 1000))
+        self._later(self._forget(conversation, conversation.links, 0 if closed else g.LINGER_MS / 1000))
 
-    async def _forget(self, conversation: Conversation, wait_s: float) -> None:
+    async def _forget(self, conversation: Conversation, links: int, wait_s: float) -> None:
+        """Give it up unless it has another connection meanwhile, even one that was lost again."""
         await asyncio.sleep(wait_s)
         guest = next((x for x in self._guests.values() if x.conversation is conversation), None)
-        if guest and conversation.link is None:
+        if guest and conversation.links == links:
             await self._end(guest)
 
     async def _end(self, guest: _Guest) -> None:

@@ -386,3 +386,17 @@ async def test_the_lead_does_not_add_up_over_turns() -> None:
                 assert sent <= loop.time() - start + 1.5 + 0.04
             if isinstance(message, g.Done) and message.turn == 8:
                 break
+
+
+@in_virtual_time
+async def test_a_connection_lost_again_has_its_half_minute_again() -> None:
+    p = Peer(FakeVoices())
+    ready = await greeted(p, g.Hello())
+    for _ in range(4):
+        p.socket.cut()
+        await p.running
+        await asyncio.sleep(g.LINGER_MS / 1000 - 2)
+        p = Peer(p.voices, world=p.world)
+        assert (await greeted(p, g.Hello(resume=ready.resume, received=0))).resumed
+    await p.gone()
+    assert p.world.gate.inside == 0
