@@ -1,7 +1,7 @@
 """What a session costs in memory, and whether any of it stays when sessions come and go.
 
-Proportional set size of the server and its voices: shared pages count by share. The baseline is the same
-server before anybody came.
+Proportional set size of the server and its voices: shared pages count by share. The baseline is the
+same server before they came.
 """
 
 from __future__ import annotations
@@ -68,48 +68,65 @@ async def idle(address: str, n: int) -> list[object]:
     return sockets
 
 
-async def measure(address: str, pid: int, sessions: int, each: int) -> dict[str, float]:
-    """kB for each, and the growth."""
-    await visits(address, 400)  # what is only needed once is there
-    await asyncio.sleep(SETTLE_S)
+async def one_idle(address: str, pid: int, n: int) -> float:
+    """kB of a session that says nothing."""
     base = pss_kb(pid)
-    found: dict[str, float] = {"base_mb": base / 1024}
-    sockets = await idle(address, each)
+    sockets = await idle(address, n)
     await asyncio.sleep(SETTLE_S)
-    found["idle_kb"] = (pss_kb(pid) - base) / each
+    cost = (pss_kb(pid) - base) / n
     for socket in sockets:
-        socket.transport.close()  # type: ignore[attr-defined]
-    await asyncio.sleep(35.0)  # sessions without a goodbye are kept for half a minute
+        socket.transport.abort()  # type: ignore[attr-defined]
+    return cost
+
+
+async def one_talker(address: str, pid: int, n: int) -> float:
+    """kB of a session that speaks, its share of the voices with it."""
     base = pss_kb(pid)
-    talkers = [Talker(number, Tally(), VOICES) for number in range(each // 4)]
+    talkers = [Talker(number, Tally(), VOICES) for number in range(n)]
     for talker in talkers:
         await talker.start(address)
         await asyncio.sleep(0.05)
     await asyncio.sleep(10.0)
-    found["talker_kb"] = (pss_kb(pid) - base) / len(talkers)
+    cost = (pss_kb(pid) - base) / n
     for talker in talkers:
         talker.stop()
-    await asyncio.sleep(SETTLE_S)
+    await asyncio.sleep(0.5)
+    return cost
+
+
+async def one_listener(address: str, pid: int, n: int) -> float:
+    """kB of a listener, while somebody speaks."""
+    speaker = Talker(0, Tally(), [("us1", "en")], sentences=60, channel="news")
+    await speaker.start(address)
+    await asyncio.sleep(12.0)  # the ring of the channel is full
     base = pss_kb(pid)
-    speaker = Talker(0, Tally(), [("us1", "en")], sentences=30, channel="news")
-    listeners = [Listener() for _ in range(each)]
+    listeners = [Listener() for _ in range(n)]
     for listener in listeners:
         await listener.start(address)
-    await speaker.start(address)
-    await asyncio.sleep(5.0)
-    found["listener_kb"] = (pss_kb(pid) - base) / each
+    await asyncio.sleep(SETTLE_S)
+    cost = (pss_kb(pid) - base) / n
     speaker.stop()
     for listener in listeners:
         assert listener.socket
-        listener.socket.transport.close()
+        listener.socket.transport.abort()
+    await asyncio.sleep(0.5)
+    return cost
+
+
+async def growth(address: str, pid: int, sessions: int) -> dict[str, float]:
+    """What stays when so many have come and gone; the first tenth warms up."""
+    await visits(address, sessions // 10)
     await asyncio.sleep(SETTLE_S)
     before = pss_kb(pid)
     await visits(address, sessions)
     await asyncio.sleep(SETTLE_S)
-    found["after_mb"] = pss_kb(pid) / 1024
-    found["growth_percent"] = 100 * (pss_kb(pid) - before) / before
-    found["sessions"] = sessions
-    return found
+    after = pss_kb(pid)
+    return {
+        "before_mb": before / 1024,
+        "after_mb": after / 1024,
+        "growth_percent": 100 * (after - before) / before,
+        "sessions": sessions,
+    }
 
 
 def main() -> None:
@@ -117,7 +134,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--sessions", type=int, default=10_000, help="that come and go")
-    parser.add_argument("--each", type=int, default=200, help="of a kind, to measure one")
+    parser.add_argument("--each", type=int, default=1000, help="of a kind, to measure one")
     args = parser.parse_args()
     raise_file_limit()
     most = (
@@ -128,8 +145,16 @@ def main() -> None:
         "--max-listeners-per-address",
         "9999",
     )
-    with server("--channel", "news", *most) as (address, pid):
-        found = asyncio.run(measure(address, pid, args.sessions, args.each))
+    found: dict[str, float] = {}
+    for name, cost, n in (
+        ("idle_kb", one_idle, args.each),
+        ("talker_kb", one_talker, args.each // 10),
+        ("listener_kb", one_listener, args.each),
+    ):
+        with server("--channel", "news", "--drain", "0", *most) as (address, pid):
+            found[name] = asyncio.run(cost(address, pid, n))
+    with server("--drain", "0", *most) as (address, pid):
+        found |= asyncio.run(growth(address, pid, args.sessions))
     if args.json:
         print(json.dumps({name: round(value, 2) for name, value in found.items()}))
         return

@@ -157,8 +157,8 @@ def test_every_module_has_its_test(path: Path) -> None:
     assert mirror.is_file(), f"no {mirror.relative_to(ROOT)}"
 
 
-ABOUT_NO_MODULE = {"head/test_fat.py", "test_audit.py", "test_deploy.py"}
-"""Tests of the packaged heads, and of what is in tools/."""
+ABOUT_NO_MODULE = {"head/test_fat.py", "server/test_stateful.py", "test_audit.py", "test_deploy.py"}
+"""Tests of the packaged heads, of whole sessions, and of what is in tools/."""
 
 
 def test_every_unit_test_mirrors_a_module() -> None:
