@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import errno
 import json
 import logging
@@ -62,10 +63,19 @@ def start_log(form: str, file: Path | None, level: str, secrets: Iterable[str] =
     hide = Hide(secrets)
     handler.setFormatter(JsonFormatter(hide) if form == "json" else TextFormatter(hide))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
+    atexit.register(_let_go)
     for name in CHATTY:
         logging.getLogger(name).setLevel(max(logging.INFO, logging.getLogger().level))
     if isinstance(handler, FileSink) and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as under nohup
         signal.signal(signal.SIGHUP, handler.reopen)
+
+
+def _let_go() -> None:
+    """What a stderr that is gone does not take any more is no failure of the whole program at its end."""
+    try:
+        sys.stderr.flush()
+    except (OSError, ValueError):
+        sys.stderr = None
 
 
 class Hide:

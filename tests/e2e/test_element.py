@@ -12,7 +12,7 @@ from playwright.async_api import Browser, Page, async_playwright
 from tests.e2e.conftest import CHROMIUM
 from tests.e2e.link import Link
 from tests.e2e.pages import embed, visit
-from tests.e2e.sound import Recorder
+from tests.e2e.sound import RATE, Recorder
 
 SAY = "(text) => document.querySelector('#head').speak(text, { lang: 'en' }).finished"
 SPEAK_UNASKED = """
@@ -170,6 +170,40 @@ async def test_interrupt_tells_what_was_heard(
     assert not text[end["char"]].isalpha()
     tail = np.abs(pcm[-len(pcm) // 10 :].astype(int))
     assert tail.max() < 300
+
+
+async def test_an_interrupt_is_heard_at_once(
+    browser: Browser, elsewhere: tuple[Path, str], address: str, card: dict[str, str]
+) -> None:
+    """From the page's call to silence at the ear, with fade and sound card; asserted with a margin."""
+    page = await open_page(browser)
+    await embed(page, elsewhere, address, address)
+    recorder = Recorder(card)
+    called = []
+    for _ in range(5):
+        called.append(
+            await page.evaluate(
+                """async () => {
+                  const head = document.querySelector("#head");
+                  const turn = head.speak("Ah, are you all aware how long a road it is?", { lang: "en" });
+                  turn.finished.catch(() => 0);
+                  await new Promise((go) => setTimeout(go, 1100));
+                  const at = Date.now() / 1000;
+                  await head.interrupt();
+                  return at;
+                }"""
+            )
+        )
+        await asyncio.sleep(0.5)
+    recording = recorder.stop()
+    loud = np.abs(recording.pcm.astype(int)) > 200
+    delays_ms = []
+    for at in called:
+        first = round((at - recording.start) * RATE)
+        after = np.flatnonzero(loud[first : first + RATE // 3])
+        delays_ms.append(1000 * (after[-1] if len(after) else 0) / RATE)
+    print(f"silent {np.median(delays_ms):.0f} ms after the call (most {max(delays_ms):.0f} ms)")
+    assert np.median(delays_ms) < 120
 
 
 async def test_it_follows_its_size(browser: Browser, elsewhere: tuple[Path, str], address: str) -> None:
