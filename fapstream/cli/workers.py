@@ -22,8 +22,8 @@ PASSED_ON = {signal.SIGHUP}
 SHORT_LIFE_S = 5.0
 """One that dies younger is started again only after a while, ever longer."""
 LONGEST_WAIT_S = 30.0
-EXTRA_S = 5.0
-"""Beyond the time that workers are given to end, before they are killed."""
+EXTRA_S = 10.0
+"""Beyond the time that workers are given to end, for goodbyes, before they are killed."""
 
 Work = Callable[[int, "Lifeline"], None]
 """What a process does: its number, and how it hears of its parent."""

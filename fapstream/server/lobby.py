@@ -221,8 +221,9 @@ class Lobby:
 
     @property
     def speaking(self) -> int:
-        """Conversations with turns that are not done."""
-        return sum(guest.conversation.busy for guest in self._guests.values())
+        """Conversations with turns that are not done, as far as somebody is there to hear them."""
+        there = (guest.conversation for guest in self._guests.values() if guest.conversation.link)
+        return sum(conversation.busy for conversation in there)
 
     async def _keep(self) -> None:
         while True:

@@ -100,3 +100,26 @@ async def test_the_lobby_closes_what_is_still_there() -> None:
 @in_virtual_time
 async def test_keys_say_which_process_has_the_session(key: str | None, index: int | None) -> None:
     assert World(FakeVoices()).lobby.elsewhere(key) == index
+
+
+@in_virtual_time
+async def test_draining_waits_for_those_who_speak_and_not_for_those_who_are_gone() -> None:
+    world = World(FakeVoices())
+    here, gone = Peer(world.voices, world=world), Peer(world.voices, world=world)
+    for p in (here, gone):
+        p.send(g.Hello(), *say(1, TEXT * 2))
+        await p.until(g.Packet)
+    gone.socket.cut()
+    await gone.running
+    loop = asyncio.get_running_loop()
+    start = loop.time()
+    await world.lobby.drain(60)
+    took = loop.time() - start
+    assert isinstance([m for m in received(here) if not isinstance(m, g.Packet)][-1], g.Done)
+    assert took < 15
+    late = Peer(world.voices, world=world)
+    late.send(g.Hello())
+    error = await late.until(g.Error)
+    assert (error.code, error.fatal) == ("busy", True)
+    await world.lobby.aclose()
+    await here.gone()
