@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import fcntl
 import os
 import signal
 import subprocess
 import sys
+import termios
 import time
 from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -51,10 +54,21 @@ def heed_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+def unread(pipe: IO[bytes]) -> int:
+    """How many bytes are in a pipe."""
+    return int.from_bytes(fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)), sys.byteorder)
+
+
 def test_a_program_that_waits_for_input_can_be_interrupted() -> None:
     command = [sys.executable, "-m", "fapstream", "say", "-", "--wav", os.devnull]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdin=pipe, stderr=pipe, preexec_fn=heed_interrupts) as process:
-        time.sleep(1.5)
+        assert process.stdin
+        process.stdin.write(b"Hello")
+        process.stdin.flush()
+        deadline = time.monotonic() + 20
+        while unread(process.stdin) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(0.2)
         process.send_signal(signal.SIGINT)
         assert process.wait(10) == 130
