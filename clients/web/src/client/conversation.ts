@@ -4,12 +4,12 @@
  */
 
 import { ProtocolError } from "../protocol/codec";
-import { LIMITS, type Begin, type ClientMessage, type Discard, type Done, type Hello, type Listen, type Live, type Ready } from "../protocol/generated";
-import { ClientSession, type ServerEvent, type Slice } from "../protocol/session";
-import { TurnBuffer } from "../stream/buffer";
+import { LIMITS, type Begin, type ClientMessage, type Hello, type Listen, type Live, type Ready } from "../protocol/generated";
+import { ClientSession, type ServerEvent } from "../protocol/session";
+import type { TurnBuffer } from "../stream/buffer";
 import type { Heard } from "../stream/heard";
-import type { Command } from "../stream/player";
 import { HeadFault, Turn, type SpeakOptions, type TurnDesk, type TurnEnd } from "./turn";
+import { Turns, type Spoken, type Stage } from "./turns";
 
 const ACK_MS = 250;
 /** A listener has no credit to give: it only says how it fares. */
@@ -22,29 +22,14 @@ const REFUSALS = new Set(["too_many_turns", "unknown_voice", "unknown_language",
 /** A factor as whole percent, from `least` to four times. */
 const percent = (factor: number, least: number): number => Math.round(Math.min(400, Math.max(least, factor * 100)));
 
-export interface Ports {
+export interface Ports extends Stage {
   send(data: Uint8Array<ArrayBuffer>): void;
   /** Close the connection; `disconnected` follows. */
   drop(): void;
-  sound(command: Command): void;
-  emit(name: string, detail: object): void;
-  /** Monotonic milliseconds. */
-  now(): number;
 }
 
 /** What a session is for: to speak, or to watch a channel. */
 export type Wish = Omit<Hello, "type" | "resume" | "received"> | Omit<Listen, "type" | "talk" | "turn" | "sample">;
-
-/** One turn on its way from `speak` to its last sample. */
-interface Spoken {
-  turn: Turn;
-  buffer: TurnBuffer | null;
-  done: Done | null;
-  heard: number;
-  /** End of the last word begun, in code points. */
-  char: number;
-  stopping: { deadline: number } | null;
-}
 
 export class Conversation implements TurnDesk {
   ready: Ready | null = null;
@@ -52,7 +37,7 @@ export class Conversation implements TurnDesk {
   /** Picture minus sound in microseconds; whoever draws it says so. */
   skew = 0;
   private session = new ClientSession();
-  private readonly live = new Map<number, Spoken>();
+  private readonly turns: Turns;
   /** Packets that came when their sound should have been heard. */
   late = 0;
   private listens = false;
@@ -66,11 +51,13 @@ export class Conversation implements TurnDesk {
   private pinged = 0;
   private listened = 0;
 
-  constructor(private readonly ports: Ports) {}
+  constructor(private readonly ports: Ports) {
+    this.turns = new Turns(ports);
+  }
 
   /** Turns that are not over. */
   get busy(): boolean {
-    return this.live.size > 0;
+    return this.turns.size > 0;
   }
 
   // --- the connection
@@ -102,21 +89,21 @@ export class Conversation implements TurnDesk {
   /** The turns that the server knew are lost. */
   private forget(): void {
     const unsent = new Set(this.outbox.map((message) => ("turn" in message ? message.turn : 0)));
-    for (const id of [...this.live.keys()]) {
-      if (!unsent.has(id)) this.fail(new HeadFault("connection_lost", "the connection to the server was lost", false, id));
+    for (const live of this.turns.all()) {
+      if (!unsent.has(live.turn.id)) this.turns.fail(live, "connection_lost", "the connection to the server was lost");
     }
   }
 
   /** A listener's: what it has of the talk that it hears. */
   private place(): Partial<Listen> {
-    const [turn] = [...this.live.values()].reverse();
+    const turn = this.turns.all().at(-1);
     return this.talk === undefined || !turn?.buffer ? {} : { talk: this.talk, turn: turn.turn.id, sample: turn.buffer.received };
   }
 
   /** No turn can be heard, for this reason. */
   silence({ code, message }: HeadFault): void {
     this.outbox = [];
-    for (const id of [...this.live.keys()]) this.fail(new HeadFault(code, message, true, id));
+    for (const live of this.turns.all()) this.turns.fail(live, code, message, true);
   }
 
   received(data: Uint8Array): void {
@@ -136,7 +123,7 @@ export class Conversation implements TurnDesk {
   speak(text: string, options: SpeakOptions): Turn {
     if (this.listens) throw new HeadFault("listening", "a head that listens to a channel does not speak");
     const turn = new Turn(++this.last, options, this);
-    this.live.set(turn.id, { turn, buffer: null, done: null, heard: 0, char: 0, stopping: null });
+    this.turns.add(turn);
     turn.append(text);
     return options.open ? turn : turn.end();
   }
@@ -162,44 +149,43 @@ export class Conversation implements TurnDesk {
   }
 
   interrupt(turn: Turn): Promise<TurnEnd> {
-    const live = this.live.get(turn.id);
+    const live = this.turns.get(turn.id);
     if (!live || live.stopping) return turn.finished;
     this.ports.sound({ kind: "stop", turn: turn.id });
     const unsent = this.outbox.some((message) => message.type === "speak" && message.turn === turn.id);
     if (!this.ready || this.listens || live.done || unsent) {
       this.outbox = this.outbox.filter((message) => !("turn" in message) || message.turn !== turn.id);
       if (!this.ready && !unsent && !live.done) this.outbox.push({ type: "interrupt", turn: turn.id, heard: Math.floor(live.heard) });
-      this.settle(live, this.cut(live));
+      this.turns.cut(live);
       return turn.finished;
     }
-    turn.open = false;
-    live.stopping = { deadline: this.ports.now() + LIMITS.interrupt_deadline_ms };
+    this.turns.stop(live);
     this.send({ type: "interrupt", turn: turn.id, heard: Math.floor(live.heard) });
     return turn.finished;
   }
 
   /** Stop everything said or waiting; tells how far the first of them got. */
   async interruptAll(): Promise<TurnEnd | null> {
-    const ends = [...this.live.values()].map(({ turn }) => this.interrupt(turn));
+    const ends = this.turns.all().map(({ turn }) => this.interrupt(turn));
     return (await Promise.allSettled(ends)).find((end) => end.status === "fulfilled")?.value ?? null;
   }
 
   splice(turn: Turn, char: number): void {
-    if (this.live.has(turn.id)) this.post({ type: "splice", turn: turn.id, char, ...this.heardOf(turn) });
+    if (this.turns.get(turn.id)) this.post({ type: "splice", turn: turn.id, char, ...this.heardOf(turn) });
   }
 
   seek(turn: Turn, back: number): void {
-    if (this.live.has(turn.id)) this.post({ type: "seek", turn: turn.id, back, ...this.heardOf(turn) });
+    if (this.turns.get(turn.id)) this.post({ type: "seek", turn: turn.id, back, ...this.heardOf(turn) });
   }
 
   pause(turn: Turn, on: boolean): void {
-    if (!this.live.has(turn.id)) return;
+    if (!this.turns.get(turn.id)) return;
     this.ports.sound({ kind: "pause", on });
     this.post(on ? { type: "pause", turn: turn.id, ...this.heardOf(turn) } : { type: "continue", turn: turn.id });
   }
 
   private heardOf(turn: Turn): { heard?: number } {
-    const live = this.live.get(turn.id);
+    const live = this.turns.get(turn.id);
     return live?.buffer ? { heard: Math.floor(live.heard) } : {};
   }
 
@@ -207,13 +193,12 @@ export class Conversation implements TurnDesk {
 
   /** The face's source at the heard sample; null if that turn is not (or no longer) ours to show. */
   bufferOf(heard: Heard | null): TurnBuffer | null {
-    const live = heard && heard.state !== "over" ? this.live.get(heard.turn) : undefined;
-    return live && !live.stopping ? live.buffer : null;
+    return this.turns.at(heard)?.buffer ?? null;
   }
 
   /** When text of a turn was first handed in (ms), and its first audible sample, as far as they are known. */
   onsetOf(turn: number): { asked: number; sample: number } | null {
-    const live = this.live.get(turn);
+    const live = this.turns.get(turn);
     const asked = live?.turn.askedAt;
     const sample = live?.buffer?.onset ?? null;
     return asked === undefined || sample === null ? null : { asked, sample };
@@ -221,21 +206,16 @@ export class Conversation implements TurnDesk {
 
   /** Sound received and not yet heard, of all turns, in ms. */
   get queueMs(): number {
-    let total = 0;
-    for (const { buffer, heard } of this.live.values()) {
-      if (buffer) total += (Math.max(0, buffer.received - heard) * 1000) / buffer.begin.sample_rate;
-    }
-    return total;
+    return this.turns.queueMs;
   }
 
   /** `heard` is what is heard now. Tells the page what was reached, and the server four times a second. */
   advance(heard: Heard | null): void {
     const now = this.ports.now();
     if (this.lostAt !== null && now - this.lostAt > LIMITS.linger_ms) this.giveUp();
-    for (const live of [...this.live.values()]) {
-      if (live.stopping && now > live.stopping.deadline) this.settle(live, this.cut(live));
-      else if (heard && live.buffer && live.turn.id <= heard.turn) this.reach(live, heard);
-    }
+    this.turns.advance(heard);
+    const live = this.turns.at(heard);
+    if (live?.buffer && now - this.acked >= (this.listens ? LISTENER_ACK_MS : ACK_MS)) this.ack(live, live.buffer);
     this.keepAlive();
   }
 
@@ -244,31 +224,6 @@ export class Conversation implements TurnDesk {
     this.lostAt = null;
     this.key = undefined;
     this.forget();
-  }
-
-  private reach(live: Spoken, heard: Heard): void {
-    const { turn, buffer } = live;
-    if (live.stopping || !buffer) return;
-    const over = turn.id < heard.turn || heard.state === "over";
-    if (turn.id === heard.turn) {
-      live.heard = Math.min(heard.sample, buffer.received);
-      live.turn.settleStart(buffer.begin);
-      this.pass(live, buffer);
-      if (!over && this.ports.now() - this.acked >= (this.listens ? LISTENER_ACK_MS : ACK_MS)) this.ack(live, buffer);
-    }
-    if (over && live.done) {
-      live.heard = buffer.received;
-      this.pass(live, buffer);
-      this.settle(live, live.done);
-    }
-  }
-
-  /** The marks that were reached, as events. */
-  private pass(live: Spoken, buffer: TurnBuffer): void {
-    for (const mark of buffer.take(live.heard)) {
-      if (mark.kind === "word") live.char = mark.char_end ?? live.char;
-      this.ports.emit(mark.kind, { turn: live.turn.id, ...mark });
-    }
   }
 
   private ack(live: Spoken, buffer: TurnBuffer): void {
@@ -299,9 +254,9 @@ export class Conversation implements TurnDesk {
     switch (message.type) {
       case "ready": return this.greet(message);
       case "begin": return this.open(message);
-      case "packet": return this.feed(message);
-      case "done": return this.finish(message);
-      case "discard": return this.discard(message);
+      case "packet": return this.turns.packet(message);
+      case "done": return this.turns.done(message);
+      case "discard": return this.turns.discard(message);
       case "live": return this.watch(message);
       case "skip": return this.ports.emit("skip", { reason: message.reason });
       case "pause": return this.ports.sound({ kind: "pause", on: true });
@@ -328,9 +283,9 @@ export class Conversation implements TurnDesk {
   /** To a listener: who speaks. With another one, what was being said is over. */
   private watch({ on, talk, channel }: Live): void {
     if (talk !== this.talk || !on) {
-      for (const live of [...this.live.values()]) {
+      for (const live of this.turns.all()) {
         this.ports.sound({ kind: "stop", turn: live.turn.id });
-        this.settle(live, this.cut(live));
+        this.turns.cut(live);
       }
     }
     this.talk = talk;
@@ -338,76 +293,16 @@ export class Conversation implements TurnDesk {
   }
 
   private open(begin: Begin): void {
-    if (this.listens) this.attend(begin.turn);
-    const live = this.live.get(begin.turn);
+    const live = this.turns.get(begin.turn) ?? (this.listens ? this.turns.add(new Turn(begin.turn, {}, this)) : undefined);
     if (!live || live.stopping || live.buffer || !this.ready) return;
-    live.buffer = new TurnBuffer(begin, this.ready.faps);
-    this.ports.sound({ kind: "begin", turn: begin.turn, rate: begin.sample_rate, live: this.listens });
-    const { sample = 0, marks = [] } = begin;
-    if (marks.length) live.buffer.push({ sample, pcm: new Int16Array(0), frames: [], marks });
-    const { voice, lang, sample_rate: sampleRate } = begin;
-    this.ports.emit("begin", { turn: begin.turn, voice, lang, sampleRate });
-  }
-
-  /** A turn of the talk that is listened to. */
-  private attend(id: number): void {
-    if (this.live.has(id)) return;
-    this.live.set(id, { turn: new Turn(id, {}, this), buffer: null, done: null, heard: 0, char: 0, stopping: null });
-  }
-
-  private discard({ turn, sample, char }: Discard): void {
-    const live = this.live.get(turn);
-    if (!live?.buffer || live.stopping) return;
-    live.buffer.discard(sample);
-    this.ports.sound({ kind: "discard", turn, sample });
-    this.ports.emit("revised", { turn, sample, char });
-  }
-
-  private feed(packet: Slice): void {
-    const live = this.live.get(packet.turn);
-    if (!live?.buffer || live.stopping) return;
-    const { turn, sample, pcm, hold } = packet;
-    live.buffer.push(packet);
-    this.ports.sound({ kind: "pcm", turn, sample, pcm, hold });
-  }
-
-  private finish(done: Done): void {
-    const live = this.live.get(done.turn);
-    if (!live) return;
-    live.done = done;
-    if (live.stopping || !live.buffer) this.settle(live, done);
-    else this.ports.sound({ kind: "end", turn: done.turn });
+    this.turns.begin(live, begin, this.ready.faps, this.listens);
   }
 
   private complain({ code, message, fatal, turn }: { code: string; message: string; fatal: boolean; turn?: number }): void {
-    const fault = new HeadFault(code, message, fatal, turn);
-    const live = turn === undefined ? undefined : this.live.get(turn);
-    if (live && !live.buffer && REFUSALS.has(code)) this.fail(fault);
-    else this.ports.emit("error", fault);
+    const live = turn === undefined ? undefined : this.turns.get(turn);
+    if (live && !live.buffer && REFUSALS.has(code)) this.turns.fail(live, code, message, fatal);
+    else this.ports.emit("error", new HeadFault(code, message, fatal, turn));
     if (fatal) this.ports.drop();
-  }
-
-  // --- the end of a turn
-
-  /** How an interrupted turn ends if only this side can say. */
-  private cut(live: Spoken): TurnEnd {
-    const { turn, buffer, heard, char } = live;
-    return { turn: turn.id, reason: "interrupted", samples: buffer?.received ?? 0, heard: Math.floor(heard), char };
-  }
-
-  private settle(live: Spoken, { turn, reason, samples, heard, char }: TurnEnd): void {
-    this.live.delete(turn);
-    const end: TurnEnd = { turn, reason, samples, ...(heard !== undefined && { heard }), ...(char !== undefined && { char }) };
-    live.turn.settle(reason === "failed" ? new HeadFault("synthesis_failed", "the voice failed", false, turn) : end);
-    this.ports.emit("done", end);
-  }
-
-  private fail(fault: HeadFault): void {
-    const live = this.live.get(fault.turn!)!;
-    this.live.delete(fault.turn!);
-    this.ports.sound({ kind: "stop", turn: fault.turn! });
-    live.turn.settle(fault);
-    this.ports.emit("error", fault);
   }
 
   /** Send now, or once the server is ready. */
