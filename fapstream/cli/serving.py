@@ -25,7 +25,7 @@ from fapstream.adapters.clock import MonotonicClock
 from fapstream.adapters.metrics import Metrics
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.spares import watch_by_descriptor
-from fapstream.cli.editor import editor
+from fapstream.cli.editor import EditorProcess
 from fapstream.errors import InputError, NotAuthorised, SynthesisError
 from fapstream.ports import Bus, Meter
 from fapstream.server import Adapting, Address, App, Lobby, Service, Site, running
@@ -128,7 +128,7 @@ def _app(plan: Plan, index: int, pool: VoicePool, bus: Bus, meter: Metrics) -> A
     )
     gate = Gate(admission, clock, plan.secrets)
     lobby = Lobby(service, bus, plan.channels, index, gate.listen_token)
-    app = App(service, site, lobby, gate, Adapting(editor, gate), plan.doors, plan.proxies)
+    app = App(service, site, lobby, gate, Adapting(EditorProcess, gate), plan.doors, plan.proxies)
     app.metrics = partial(_metrics, gate, meter)
     app.warm = False
     if plan.folder:

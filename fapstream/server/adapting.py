@@ -1,10 +1,9 @@
-"""The socket of the editor page joined to its session (protocol/ADAPT.md). The work is done in a thread."""
+"""The socket of the editor page joined to its session (protocol/ADAPT.md). Threads wait for its answers."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import time
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
@@ -32,13 +31,16 @@ class Socket(Protocol):
 
 
 class Work(Protocol):
-    """What a session does with messages; without I/O, so it may run in a thread."""
+    """What a session does with messages. Each method may take seconds."""
 
     def ready(self) -> Message:
         """The first message."""
 
     def answer(self, message: Message) -> Message:
-        """What to send for a message. Raises nothing."""
+        """What to send for a message; after a fatal error, nothing more. Raises nothing."""
+
+    def close(self) -> None:
+        """Stop, even in the middle of an answer."""
 
 
 class Pass(Protocol):
@@ -53,7 +55,7 @@ class Adapting:
     none.
     """
 
-    def __init__(self, make: Callable[[Callable[[], float]], Work], gate: Pass) -> None:
+    def __init__(self, make: Callable[[], Work], gate: Pass) -> None:
         self._make = make
         self._gate = gate
 
@@ -64,8 +66,11 @@ class Adapting:
                 token = _token(adapting.decode(await socket.recv()))
             leave = self._gate.adapt(token, address)
             try:
-                work = await asyncio.to_thread(self._make, time.perf_counter)
-                await _Page(socket, work).run()
+                work = await asyncio.to_thread(self._make)
+                try:
+                    await _Page(socket, work).run()
+                finally:
+                    await asyncio.shield(asyncio.to_thread(work.close))
             finally:
                 leave()
         except TimeoutError:
@@ -124,7 +129,10 @@ class _Page:
             self._came.clear()
             while self._waiting:
                 message = self._waiting.pop(0)
-                await _say(self._socket, await asyncio.to_thread(self._work.answer, message))
+                answer = await asyncio.to_thread(self._work.answer, message)
+                await _say(self._socket, answer)
+                if answer.get("fatal"):
+                    return
 
 
 MOST_WAITING = 4

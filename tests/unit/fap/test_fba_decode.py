@@ -194,11 +194,11 @@ STREAMS = [stream(ONE_FAP_I, ONE_FAP_P), stream(VISEME_I, VISEME_P), encode_fba(
 
 def survives(data: bytes) -> None:
     """Decodes, or raises the typed error, in a time that goes with the size."""
-    began = time.perf_counter()
+    began = time.process_time()
     with suppress(BitstreamError):
         found = decode_fba(data, "fuzz")
         assert all(r.values.shape == (68,) for r in found.frames)
-    assert time.perf_counter() - began < 2 + len(data) / 1000
+    assert time.process_time() - began < 2 + len(data) / 1000
 
 
 @settings(deadline=None)

@@ -177,10 +177,10 @@ def test_sizes_are_bounded(name: str, text: str, monkeypatch: pytest.MonkeyPatch
 
 def test_a_bomb_takes_no_time() -> None:
     entities = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10 if k else "lol"}">' for k in range(12))
-    began = time.perf_counter()
+    began = time.process_time()
     with pytest.raises(DataError, match="DOCTYPE"):
         read_xfdp(f"<!DOCTYPE x [{entities}]><xfdp>&e11;</xfdp>", "x")
-    assert time.perf_counter() - began < 0.5
+    assert time.process_time() - began < 0.5
 
 
 PIECES = st.sampled_from(

@@ -8,7 +8,6 @@ import asyncio
 import random
 import threading
 import time
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -36,6 +35,7 @@ class Work:
         self.free = threading.Event()
         self.free.set()
         self.seen: list[Message] = []
+        self.closed = False
 
     def ready(self) -> Message:
         return {"type": "ready"}
@@ -43,7 +43,13 @@ class Work:
     def answer(self, message: Message) -> Message:
         self.seen.append(message)
         self.free.wait(5)
+        if self.closed:
+            return {"type": "error", "code": "internal", "message": "it ended", "fatal": True}
         return {"type": "fit", "seq": message.get("seq"), "size": len(message.get("data", b""))}
+
+    def close(self) -> None:
+        self.closed = True
+        self.free.set()
 
 
 class FakeSocket(FakeLink):
@@ -59,7 +65,7 @@ class Page:
     def __init__(self, work: Work | None = None, pages: Adapting | None = None) -> None:
         self.work = work or Work()
         self.socket = FakeSocket()
-        pages = pages or Adapting(lambda clock: self.work, OpenGate())
+        pages = pages or Adapting(lambda: self.work, OpenGate())
         self.task = asyncio.create_task(pages.handle(self.socket, "127.0.0.1"))
         self.say(type="hello")
 
@@ -112,6 +118,26 @@ async def test_who_asks_for_too_much_at_once_is_told() -> None:
     await page.leave()
 
 
+async def test_who_leaves_in_the_middle_ends_the_work() -> None:
+    page = Page()
+    await page.get()
+    page.work.free.clear()
+    page.say(type="head", seq=1)
+    while not page.work.seen:
+        await asyncio.sleep(0)
+    await page.leave()
+    assert page.work.closed
+
+
+async def test_a_session_that_came_to_its_end_ends_the_page() -> None:
+    page = Page()
+    await page.get()
+    page.work.close()
+    page.say(type="head", seq=1)
+    assert (await page.get())["code"] == "internal"
+    await asyncio.wait_for(page.task, 5)
+
+
 @pytest.mark.parametrize("data", [b"\xc1", "text", b"\x80"])
 async def test_what_is_no_message_ends_the_page(data: bytes | str) -> None:
     page = Page()
@@ -123,7 +149,7 @@ async def test_what_is_no_message_ends_the_page(data: bytes | str) -> None:
 
 
 async def test_a_server_that_cannot_says_why() -> None:
-    def refused(clock: Callable[[], float]) -> Work:
+    def refused() -> Work:
         raise InputError("pip install something")
 
     page = Page(pages=Adapting(refused, OpenGate()))
@@ -147,7 +173,7 @@ async def test_where_tokens_are_asked_for_one_is_needed() -> None:
     secret = b"s" * 32
     gate = Gate(Admission(Limits(), random.Random(1)), LoopClock(), (secret,))
     for grant, code in ((None, "unauthorised"), ("speak", "unauthorised"), ("adapt", None)):
-        page = Page(pages=Adapting(lambda clock: Work(), gate))
+        page = Page(pages=Adapting(lambda: Work(), gate))
         page.socket.to_server.get_nowait()
         token = grant and mint(secret, Grant(frozenset({grant})), 60, time.time())
         page.say(type="hello", token=token)
@@ -160,7 +186,7 @@ async def test_only_so_many_pages_at_once() -> None:
     most = 4
     rest = iter([Work() for _ in range(most + 1)])
     gate = Gate(Admission(Limits(adapting=most, adapting_per_address=9), random.Random(1)), LoopClock())
-    pages = Adapting(lambda clock: next(rest), gate)
+    pages = Adapting(lambda: next(rest), gate)
     opened = [Page(pages=pages) for _ in range(most)]
     for page in opened:
         assert (await page.get())["type"] == "ready"
@@ -175,7 +201,7 @@ async def test_only_so_many_pages_at_once() -> None:
 
 async def test_large_photos_go_over_a_real_socket_and_only_there() -> None:
     made = Work()
-    async with running(fake_app(pages=Adapting(lambda clock: made, OpenGate())), Address()) as server:
+    async with running(fake_app(pages=Adapting(lambda: made, OpenGate())), Address()) as server:
         url = f"ws://127.0.0.1:{port(server)}"
         spoken = [Subprotocol(adapting.SUBPROTOCOL)]
         async with connect(url + adapting.PATH, subprotocols=spoken) as socket:
