@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from fapstream.records import N_FAPS, FapFrame, Packet
 
 KEEP_FRAMES = 256
+MOST_FRAMES = 2048
+"""Also where nobody looks at them; more than a player keeps in store."""
 HOLD_S = 0.12
 """A frame stands for what follows it for so long, or twice the distance of frames if that is more."""
 
@@ -36,6 +38,7 @@ class TurnBuffer:
                 self._space(frame.sample)
                 self._samples.append(frame.sample)
                 self._frames.append(frame)
+        self._forget(len(self._frames) - MOST_FRAMES)
         self.received = max(self.received, packet.start + len(packet.pcm))
 
     def discard(self, sample: int) -> None:

@@ -105,6 +105,21 @@ class Line:
         self._data, self.end = self._data[: index - self._base], index
         self._tie(Knot(index, self.next, 1))
 
+    def skip(self, left: int) -> None:
+        """Leave out what was not played, but for the last `left` samples; it is bridged."""
+        index = self.end - left
+        if index <= self.at:
+            return
+        at, rest = self.at - self._base, index - self._base
+        ramp = min(self._ramp, left)
+        mixed = stretch.fade(self._float(self.at, self.at + ramp), self._float(index, index + ramp))
+        self._data = np.concatenate([self._data[:at], _pcm(mixed), self._data[rest + ramp :]])
+        holding = self._holding(index)
+        after = [Knot(k.index - index + self.at, k.sample, k.pace) for k in self._knots if k.index > index]
+        self._tie(Knot(self.at, _sample(holding, index), holding.pace))
+        self._knots.extend(after)
+        self.end = self.at + left
+
     def rest(self) -> None:
         """The sound has died away: nothing has to be bridged."""
         self._flows = False

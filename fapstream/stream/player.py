@@ -24,6 +24,9 @@ STEP_S = 0.01
 FALL_S, STARVED_FALL_S = 0.005, 0.04
 """How a sound dies away that breaks off: at the end of what there is, and where more should have come."""
 PAST_S = 0.035
+BEHIND_S = 5.0
+"""A live talk of which more than this has not been played goes on with what is being said now: the card may
+have stood still for hours."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +68,8 @@ class Player:
         """More of a turn, from `sample` on. `hold`: what follows may be late without being a fault."""
         for voice in self._of(turn):
             self._late += voice.push(sample, pcm, hold, self._frame)
+            if voice.live and self._store_s > BEHIND_S:
+                self._catch_up(voice)
 
     def discard(self, turn: int, sample: int) -> None:
         """What was not played from `sample` on is not to be played: the next push goes on there."""
@@ -118,6 +123,19 @@ class Player:
 
     def _of(self, turn: int) -> list[Voice]:
         return [voice for voice in self._queue if voice.turn == turn]
+
+    @property
+    def _store_s(self) -> float:
+        return sum(voice.line.queued for voice in self._queue) / self._rate
+
+    def _catch_up(self, voice: Voice) -> None:
+        """Play this turn next, from where it is now."""
+        for other in list(self._queue)[: self._queue.index(voice)]:
+            if other.playing:
+                other.stopped = True
+            else:
+                self._leave(other, self._frame)
+        voice.catch_up()
 
     def _start(self, voice: Voice, frame: int) -> bool:
         """False if there is nothing to do for this turn yet."""
@@ -176,7 +194,7 @@ class Player:
             )
 
     def _leave(self, voice: Voice, frame: int) -> None:
-        self._queue.popleft()
+        self._queue.remove(voice)
         self._tell("over", voice, frame)
 
     def _tell(self, state: State, voice: Voice, frame: int) -> None:

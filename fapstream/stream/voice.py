@@ -64,6 +64,11 @@ class Voice:
         self.held = False
         self.interrupt()
 
+    def catch_up(self) -> None:
+        """Go on with what is being said now, leaving out all of the store that is not needed."""
+        self.line.skip(int(np.ceil(self._jitter.target_s * self._rate)))
+        self._level_s = self._above = None
+
     def interrupt(self) -> None:
         """The sender's time has stopped or leapt; what was known of it is worth nothing."""
         self._jitter.restart()

@@ -9,14 +9,19 @@ from playwright.async_api import Page
 
 PAGE = """<!doctype html><meta charset="utf-8"><title>elsewhere</title><link rel="icon" href="data:,">
 <body style="margin:0"><script type="module" src="http://{server}/fap-head.js"></script>
-<fap-head id="head" capture src="ws://{socket}/ws" style="display:block;width:320px;height:320px"></fap-head>
+<fap-head id="head" capture {attributes}
+src="ws://{socket}/ws" style="display:block;width:320px;height:320px"></fap-head>
 """
 
 
-async def visit(page: Page, elsewhere: tuple[Path, str], server: str, socket: str) -> None:
-    """Open a page of another origin with the head in it."""
+async def visit(
+    page: Page, elsewhere: tuple[Path, str], server: str, socket: str, attributes: str = ""
+) -> None:
+    """Open a page of another origin with the head in it, which has these attributes as well."""
     folder, origin = elsewhere
-    (folder / "page.html").write_text(PAGE.format(server=server, socket=socket), encoding="utf-8")
+    (folder / "page.html").write_text(
+        PAGE.format(server=server, socket=socket, attributes=attributes), encoding="utf-8"
+    )
     await page.goto(f"{origin}/page.html")
 
 

@@ -128,6 +128,7 @@ export class Presenter {
   }
 
   unlock(): void {
+    if (this.locked) this.command({ kind: "catch-up" });
     this.sound?.unlock();
   }
 

@@ -48,6 +48,30 @@ def test_what_is_here_already_is_ignored() -> None:
     assert np.array_equal(drained(line)[0], VOICE[:1300])
 
 
+def test_what_is_left_out_is_bridged() -> None:
+    """And later leaps keep their places."""
+    line = filled(8000)
+    line.push(10_000, VOICE[10_000:12_000])
+    line.take(1000)
+    line.skip(2500)
+    assert line.next == 12_000
+    pcm, samples = drained(line)
+    assert samples == [*range(7500, 8000), *range(10_000, 12_000)]
+    assert np.array_equal(pcm[80:500], VOICE[7580:8000])
+    assert np.array_equal(pcm[580:], VOICE[10_080:12_000])
+    heard = np.concatenate([VOICE[900:1000], pcm]).astype(int)
+    assert np.abs(np.diff(heard)).max() <= 1.1 * np.abs(np.diff(VOICE.astype(int))).max()
+    line.skip(0)
+    assert line.queued == 0
+
+
+def test_nothing_is_left_out_of_what_is_not_there() -> None:
+    line = filled(1000)
+    line.skip(1000)
+    line.skip(2000)
+    assert np.array_equal(drained(line)[0], VOICE[:1000])
+
+
 def test_a_gap_is_bridged_and_the_sample_leaps() -> None:
     line = filled(3200)
     line.take(3100)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fapstream.records import Pcm
 from fapstream.stream.heard import HeardMap, Report
 from fapstream.stream.jitter import FLOOR_S, SLACK_S
-from fapstream.stream.player import STARVED_FALL_S, Player
+from fapstream.stream.player import BEHIND_S, STARVED_FALL_S, Player
 from fapstream.stream.stretch import LONGEST_S
 from fapstream.stream.voice import FADE_BACK_S, FADE_IN_S, FADE_OUT_S
 
@@ -165,6 +165,34 @@ def test_running_dry_after_a_hold_is_no_fault(rig: Rig) -> None:
     rig.run(0.05)
     assert rig.states()[1:] == [("waiting", 1, after), ("playing", 1, after)]
     assert rig.player.stats.underruns == rig.player.stats.late == rig.player.stats.stretched_ms == 0
+
+
+@pytest.mark.parametrize("turns", [1, 3])
+@pytest.mark.parametrize("playing", [False, True])
+def test_a_card_that_stood_still_goes_on_with_what_is_said_now(rig: Rig, turns: int, playing: bool) -> None:
+    """A live talk is never more than some seconds late, and costs no more memory than that."""
+    rig.player.begin(1, live=True)
+    at = rig.feed(1, 10 if playing else 0)
+    rig.run(0.1)
+    for turn in range(1, turns + 1):
+        if turn > 1:
+            rig.player.end(turn - 1)
+            rig.player.begin(turn, live=True)
+            at = 0
+        at = rig.feed(turn, 400, at)
+        assert rig.player.stats.store_ms <= 1000 * BEHIND_S
+    rig.run(0.5)
+    last = rig.reports[-1]
+    assert (last.turn, last.state) == (turns, "playing")
+    assert last.sample >= at - (BEHIND_S + 0.5) * RATE
+    assert rig.steepest() < 1.1 * STEEPEST
+
+
+def test_a_talk_that_is_not_live_is_played_whole(rig: Rig) -> None:
+    rig.player.begin(1)
+    rig.feed(1, 400)
+    rig.run(0.01)
+    assert rig.player.stats.store_ms > 15_000
 
 
 def test_stop_fades_out_and_lets_the_next_turn_begin(rig: Rig) -> None:

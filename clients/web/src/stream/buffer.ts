@@ -9,6 +9,9 @@ export const N_FAPS = 68;
 /** Sound louder than this counts as sound: -40 dB of full scale. */
 const AUDIBLE = 328;
 const KEEP_FRAMES = 256;
+/** Also where nobody looks at them; more than a player keeps in store. */
+const MOST_FRAMES = 2048;
+const MOST_MARKS = 512;
 /** A frame stands for what follows it for so long, or twice the distance of frames if that is more. */
 const HOLD_S = 0.12;
 
@@ -46,7 +49,9 @@ export class TurnBuffer {
   /** More of the turn; what is here already is left out. */
   push({ sample, pcm, frames, marks }: Slice): void {
     for (const frame of frames) this.add(frame);
+    if (this.frames.length > MOST_FRAMES) this.frames.splice(0, KEEP_FRAMES);
     this.marks.push(...marks.filter((mark) => mark.sample >= this.received));
+    if (this.marks.length > MOST_MARKS) this.marks.splice(0, this.marks.length - MOST_MARKS);
     if (this.onset === null) {
       const at = pcm.findIndex((v) => Math.abs(v) > AUDIBLE);
       if (at >= 0) this.onset = sample + at;

@@ -105,6 +105,24 @@ export class Line {
     this.tie({ index, sample: this.next, pace: 1 });
   }
 
+  /** Leave out what was not played, but for the last `left` samples; it is bridged. */
+  skip(left: number): void {
+    const start = this.fixed;
+    const index = this.end - left;
+    if (index <= start) return;
+    const [to, from, end] = [start - this.base, index - this.base, this.end - this.base];
+    const n = Math.min(this.ramp, left);
+    const mixed = fade(this.data.slice(to, to + n), this.data.subarray(from, from + n));
+    this.data.copyWithin(to, from, end);
+    this.data.set(mixed, to);
+    this.data.fill(0, to + left, end);
+    const holding = this.holding(index);
+    const after = this.knots.filter((knot) => knot.index > index).map((knot) => ({ ...knot, index: knot.index - index + start }));
+    this.tie({ index: start, sample: sampleAt(holding, index), pace: holding.pace });
+    this.knots.push(...after);
+    this.end = start + left;
+  }
+
   /** The sound has died away: nothing has to be bridged. */
   rest(): void {
     this.flows = false;

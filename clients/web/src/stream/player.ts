@@ -9,7 +9,8 @@ import { Voice } from "./voice";
 
 /**
  * `pcm` begins at `sample`; `live`: see Voice. `discard`: what was not played from `sample` on is not to be played, the next
- * push goes on there. `pause`: fall silent, and go on with the next sample when it is over.
+ * push goes on there. `pause`: fall silent, and go on with the next sample when it is over. `catch-up`: of a live talk play
+ * what is being said now.
  */
 export type Command =
   | { kind: "begin"; turn: number; rate: number; live?: boolean }
@@ -17,7 +18,8 @@ export type Command =
   | { kind: "discard"; turn: number; sample: number }
   | { kind: "end"; turn: number }
   | { kind: "stop"; turn: number }
-  | { kind: "pause"; on: boolean };
+  | { kind: "pause"; on: boolean }
+  | { kind: "catch-up" };
 
 /** How it goes. `storeMs` is of the turn being played; `stretchedMs` what was left out or said twice. */
 export interface PlayerStats {
@@ -46,6 +48,11 @@ const TICK_FRAMES = 2048;
 const FALL_S = 0.005;
 const STARVED_FALL_S = 0.04;
 const PAST_S = 0.035;
+/**
+ * A live talk of which more than this has not been played goes on with what is being said now: the card may have stood
+ * still for hours.
+ */
+const BEHIND_S = 5;
 
 export class Player {
   private readonly queue: Voice[] = [];
@@ -70,10 +77,13 @@ export class Player {
       return;
     }
     if (command.kind === "pause") return this.pause(command.on);
+    if (command.kind === "catch-up") return this.catchUp();
     const voice = this.queue.find(({ turn }) => turn === command.turn);
     if (!voice) return;
-    if (command.kind === "pcm") this.counts.late += Number(voice.push(command.sample, command.pcm, command.hold, this.frame));
-    else if (command.kind === "discard") voice.discard(command.sample);
+    if (command.kind === "pcm") {
+      this.counts.late += Number(voice.push(command.sample, command.pcm, command.hold, this.frame));
+      if (voice.live && this.storeS > BEHIND_S) this.catchUp(voice);
+    } else if (command.kind === "discard") voice.discard(command.sample);
     else if (command.kind === "end") voice.ended = true;
     else voice.stopped = true;
   }
@@ -98,6 +108,20 @@ export class Player {
       this.tick = frame + TICK_FRAMES;
       this.report({ kind: "tick", frame, stats: this.stats });
     }
+  }
+
+  private get storeS(): number {
+    return this.queue.reduce((sum, { storeS }) => sum + storeS, 0);
+  }
+
+  /** Play this turn next, from where it is now; by default the last of which there is sound. */
+  private catchUp(voice = this.queue.findLast(({ live, storeS }) => live && storeS > 0)): void {
+    if (!voice) return;
+    for (const other of this.queue.slice(0, this.queue.indexOf(voice))) {
+      if (other.playing) other.stopped = true;
+      else this.leave(other, this.frame);
+    }
+    voice.catchUp();
   }
 
   private pause(on: boolean): void {
@@ -161,7 +185,7 @@ export class Player {
   }
 
   private leave(voice: Voice, frame: number): true {
-    this.queue.shift();
+    this.queue.splice(this.queue.indexOf(voice), 1);
     const sample = Math.min(voice.sample, voice.line.next ?? 0);
     this.report({ kind: "over", turn: voice.turn, frame, sample });
     return true;

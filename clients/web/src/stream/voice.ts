@@ -94,6 +94,12 @@ export class Voice {
     this.interrupt();
   }
 
+  /** Go on with what is being said now, leaving out all of the store that is not needed. */
+  catchUp(): void {
+    this.line.skip(Math.ceil(this.jitter.targetS * this.rate));
+    this.levelS = this.above = null;
+  }
+
   /** The sender's time has stopped or leapt; what was known of it is worth nothing. */
   interrupt(): void {
     this.jitter.restart();

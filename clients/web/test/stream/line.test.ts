@@ -89,6 +89,26 @@ describe("Line", () => {
     expect([noise.alter(-1), noise.alter(1)]).toEqual([null, null]);
   });
 
+  it("leaves out what was not played, but for the last; later leaps keep their places", () => {
+    const line = filled(8000, 1000 - REACH);
+    line.push(10000, VOICE.subarray(10000, 12000));
+    line.skip(2500);
+    expect(line.next).toBe(12000);
+    line.at = 1000;
+    const { pcm, samples } = rest(line);
+    expect(samples).toEqual([...range(7500, 8000), ...range(10000, 12000)]);
+    expect(pcm.slice(80, 500)).toEqual([...VOICE.subarray(7580, 8000)]);
+    expect(pcm.slice(580)).toEqual([...VOICE.subarray(10080, 12000)]);
+  });
+
+  it("leaves nothing out of what is not there", () => {
+    const line = filled(1000, 500 - REACH);
+    line.skip(500);
+    line.skip(900);
+    line.at = 500;
+    expect(rest(line).pcm).toEqual([...VOICE.subarray(500, 1000)]);
+  });
+
   it("leaves out much of a pause", () => {
     const line = new Line(RATE, REACH);
     line.push(0, new Int16Array(8000));

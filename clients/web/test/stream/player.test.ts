@@ -98,6 +98,39 @@ describe.each([[16000, 48000], [22050, 48000], [22050, 44100], [48000, 44100], [
   });
 });
 
+describe("A card that stood still", () => {
+  it.each([[1, false], [3, false], [1, true], [3, true]])("goes on with what is said now: %i turns, playing %s", (turns, playing) => {
+    const rig = new Rig();
+    rig.begin(1, 16000, true);
+    let at = rig.feed(1, 16000, playing ? 10 : 0);
+    rig.run(0.1);
+    for (let turn = 1; turn <= turns; turn++) {
+      if (turn > 1) {
+        rig.player.handle({ kind: "end", turn: turn - 1 });
+        rig.begin(turn, 16000, true);
+        at = 0;
+      }
+      at = rig.feed(turn, 16000, 400, at);
+      expect(rig.player.stats.storeMs).toBeLessThan(5000);
+    }
+    rig.player.handle({ kind: "catch-up" });
+    rig.run(0.5);
+    const last = rig.events.at(-1)!;
+    expect(last).toMatchObject({ kind: "pause", turn: turns, state: "starved" });
+    expect("sample" in last && last.sample).toBeGreaterThan(at - 100);
+    expect(rig.steepest()).toBeLessThan(1.1 * STEEPEST);
+  });
+
+  it("leaves nothing out of a talk that is not live", () => {
+    const rig = new Rig();
+    rig.begin(1, 16000);
+    rig.feed(1, 16000, 400);
+    rig.player.handle({ kind: "catch-up" });
+    rig.run(0.1);
+    expect(rig.player.stats.storeMs).toBeGreaterThan(15000);
+  });
+});
+
 describe("starting", () => {
   it("waits for the prebuffer, then starts", () => {
     const rig = new Rig();
