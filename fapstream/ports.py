@@ -43,16 +43,6 @@ class Synthesizer(Protocol):
         """Give the voice back, whatever state it is in. Safe to call twice."""
 
 
-class SynthesizerPool(Protocol):
-    """Where warm voices come from."""
-
-    async def acquire(self, voice: str) -> Synthesizer:
-        """A voice ready for one turn. Raises UnknownVoice, VoiceUnavailable."""
-
-    async def aclose(self) -> None:
-        """End every process."""
-
-
 class Clock(Protocol):
     """Monotonic time, handed in so that pacing can be tested without waiting."""
 

@@ -43,9 +43,6 @@ class Limits:
     """Of messages: hundreds of times as fast as text is spoken."""
     bytes_burst: int = 1 << 20
     """A long article passes in one piece."""
-    hello_deadline_s: float = 5.0
-    idle_timeout_s: float = 600.0
-    """Without a message, and with nothing being spoken or listened to."""
     strained_lateness_s: float = 0.02
     """Newcomers wait while more than one recent packet in a hundred leaves later than this."""
 
