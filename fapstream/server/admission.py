@@ -133,9 +133,12 @@ class Load:
     LEAST_LATE = 5.0
     """A packet or two may be late in a second when a disk or a neighbour is busy."""
     FORGOTTEN_S = 5.0
+    CALM_S = 2.0
+    """After so long without a late packet it is over, however many there were: they may all have left."""
 
     def __init__(self, late_s: float) -> None:
         self._late_s = late_s
+        self._last_late = -math.inf
         self._all = Fading(self.FORGOTTEN_S)
         self._late = Fading(self.FORGOTTEN_S)
 
@@ -144,9 +147,12 @@ class Load:
         self._all.add(1.0, now)
         if lateness_s > self._late_s:
             self._late.add(1.0, now)
+            self._last_late = now
 
     def strained(self, now: float) -> bool:
         """Whether the 99th percentile of the recent packets' lateness is above the limit."""
+        if now - self._last_late > self.CALM_S:
+            return False
         late = self._late.add(0.0, now)
         return late >= self.LEAST_LATE and late > self.LATE_SHARE * self._all.add(0.0, now)
 

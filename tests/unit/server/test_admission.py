@@ -137,7 +137,11 @@ def test_a_few_late_packets_of_a_quiet_server_are_no_strain() -> None:
 
 def test_strain_passes_with_packets_in_time_and_without_any() -> None:
     assert load(100).strained(10.0)
-    assert not load(100).strained(60.0), "everybody has left"
+    assert not load(100).strained(12.1), "everybody has left"
+    sustained = load(100)
+    for i in range(10_000):
+        sustained.sent(1.0 if i % 50 == 0 else 0.0, 10.0 + i / 400)
+    assert sustained.strained(35.0), "one in fifty, on and on"
     healing = load(100)
     for i in range(10_000):
         healing.sent(0.0, 10.0 + i / 400)
