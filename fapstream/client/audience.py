@@ -15,6 +15,9 @@ from fapstream.protocol import generated as g
 from fapstream.protocol.session import ServerEvent
 from fapstream.records import Packet
 
+MOST_EVENTS = 1024
+"""With so much waiting to be looked at nothing more is read, and the server has a slow listener."""
+
 Heard = g.Live | g.Skip | g.Begin | Packet | g.Discard | g.Pause | g.Continue | g.Done
 
 
@@ -41,6 +44,8 @@ class Audience:
         """Raises what ended the session."""
         while True:
             event = await self._events.get()
+            if self._events.qsize() <= MOST_EVENTS // 2:
+                self._line.reading.set()
             if isinstance(event, BaseException):
                 self._events.put_nowait(event)
                 raise event
@@ -75,6 +80,8 @@ class Audience:
             ):
                 self._follow(event)
                 self._events.put_nowait(event)
+                if self._events.qsize() >= MOST_EVENTS:
+                    self._line.reading.clear()
             case _:
                 pass
 

@@ -36,6 +36,9 @@ class Line:
         self.session = ClientSession()
         self.connections = 0
         """Connections made so far."""
+        self.reading = asyncio.Event()
+        """Cleared, it takes nothing more: what the server sends waits there."""
+        self.reading.set()
         self._url = url
         self._first = first
         self._take = take
@@ -99,6 +102,7 @@ class Line:
             session.reconnect()
         await socket.send(session.send(self._first()))
         while session.state != "closed":
+            await self.reading.wait()
             data = await socket.recv()
             if isinstance(data, str):
                 raise RemoteProtocolError("messages are binary frames")

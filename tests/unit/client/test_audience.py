@@ -38,6 +38,25 @@ async def test_a_session_can_be_shared() -> None:
             assert g.Begin in kinds
 
 
+async def test_a_program_that_does_not_look_is_a_slow_listener(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No more is kept for it than it can be expected to look at; then it goes on."""
+    monkeypatch.setattr("fapstream.client.audience.MOST_EVENTS", 20)
+    async with served() as url, listen(url, "news") as audience, connect(url, channel="news") as talker:
+        turn = await talker.say("One two three four five six seven.")
+        done = await within(20, turn.finished())
+        assert done.samples > 40 * 640
+        assert audience._events.qsize() == 20
+        samples, skipped = 0, False
+        async for event in audience:
+            if isinstance(event, Packet):
+                samples += len(event.pcm)
+            skipped = skipped or isinstance(event, g.Skip)
+            if isinstance(event, g.Done):
+                break
+        assert 20 * 640 < samples <= done.samples
+        assert skipped or samples == done.samples
+
+
 async def test_a_channel_that_is_none() -> None:
     async with served() as url:
         with pytest.raises(ServerError, match="no channel called"):
