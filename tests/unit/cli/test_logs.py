@@ -274,13 +274,14 @@ def test_a_file_that_was_moved_away_is_begun_anew(tmp_path: Path, hangup: bool) 
 
 
 def test_sighup_opens_anew_what_looks_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would be ignored
     start_log("text", tmp_path / "log", "info")
     opened: list[str] = []
     real = os.open
     monkeypatch.setattr(logs.os, "open", lambda *args: opened.append(str(args[0])) or real(*args))
     log.info("one")
     assert opened == []
-    os.kill(os.getpid(), signal.SIGHUP)
+    signal.raise_signal(signal.SIGHUP)
     log.info("two")
     log.info("three")
     assert opened == [str(tmp_path / "log")]
