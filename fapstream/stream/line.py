@@ -167,16 +167,18 @@ class Line:
     def _append(self, pcm: Pcm) -> None:
         n = min(len(self._falling), len(pcm))
         if n:
-            grown = stretch.fade(self._falling[:n], pcm[:n] / SCALE)
+            grown = stretch.fade(
+                self._falling[:n], pcm[:n] / SCALE, self._ramp - len(self._falling), self._ramp
+            )
             pcm = np.concatenate([_pcm(grown), pcm[n:]])
-            self._falling = np.zeros(0)
+            self._falling = self._falling[n:]  # a packet may be shorter than the ramp
         forget = max(0, self.at - self._past - self._base)
         self._data = np.concatenate([self._data[forget:], pcm])
         self._base += forget
         self.end += len(pcm)
 
     def _leap(self, sample: int) -> None:
-        if not len(self._falling) and (self.queued or self._flows):
+        if len(self._falling) < self._ramp and (self.queued or self._flows):
             self._falling = self._beyond(self.end)
         self._tie(Knot(self.end, sample, 1))
 
@@ -184,7 +186,10 @@ class Line:
         """What would be played from `index` on, made up where it is not known."""
         known = self._float(index, min(self.end, index + self._ramp))
         past = self._float(max(self._base, self.end - self._past), self.end)
-        return np.concatenate([known, stretch.fall(past, self._rate, 2 * RAMP_S)])[: self._ramp]
+        found = np.zeros(self._ramp)
+        further = np.concatenate([known, stretch.fall(past, self._rate, 2 * RAMP_S)])[: self._ramp]
+        found[: len(further)] = further
+        return found
 
     def _float(self, start: int, end: int) -> stretch.Sound:
         return self._data[start - self._base : end - self._base] / SCALE

@@ -74,9 +74,12 @@ def _best(sound: Sound, at: int, way: int, lags: range, window: int) -> tuple[in
     return lags[best], alike[best]
 
 
-def fade(old: Sound, new: Sound) -> Sound:
-    """From `old` to `new`, both of one length, along a straight line: what is alike keeps its strength."""
-    share = np.arange(1, len(old) + 1) / (len(old) + 1)
+def fade(old: Sound, new: Sound, done: int = 0, length: int | None = None) -> Sound:
+    """From `old` to `new`, both of one length, along a straight line: what is alike keeps its strength.
+
+    They may be a part of a fade of that `length`, of which so much was `done` before.
+    """
+    share = np.arange(done + 1, done + len(old) + 1) / ((length or len(old)) + 1)
     return old + (new - old) * share
 
 

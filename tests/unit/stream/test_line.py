@@ -48,6 +48,16 @@ def test_what_is_here_already_is_ignored() -> None:
     assert np.array_equal(drained(line)[0], VOICE[:1300])
 
 
+def test_packets_shorter_than_the_bridge_are_bridged_as_one_is() -> None:
+    whole, pieces = filled(3200), filled(3200)
+    whole.push(16_050, VOICE[16_050:16_250])
+    for k in range(16_050, 16_250):
+        pieces.push(k, VOICE[k : k + 1])
+    expected, found = drained(whole)[0], drained(pieces)[0]
+    assert len(found) == 3400
+    assert np.abs(found.astype(int) - expected).max() <= 2
+
+
 def test_what_is_left_out_is_bridged() -> None:
     """And later leaps keep their places."""
     line = filled(8000)

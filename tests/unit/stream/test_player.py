@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fapstream.records import Pcm
@@ -415,6 +415,7 @@ STEPS = st.one_of(
 
 
 @settings(max_examples=60, deadline=None)
+@example([("push", 1, 0), ("push", 1, 0), ("push", 1, 0), ("push", 401, 0), ("push", 1, 5000)], False)
 @given(st.lists(STEPS, min_size=5, max_size=60), st.booleans())
 def test_whatever_happens_nothing_clicks_and_what_is_heard_never_goes_back(
     steps: list[tuple[str, int, int]], live: bool

@@ -171,15 +171,15 @@ export class Line {
 
   private append(pcm: Sound): void {
     const n = Math.min(this.falling.length, pcm.length);
-    pcm.set(fade(this.falling.slice(0, n), pcm.subarray(0, n)));
-    this.falling = NOTHING;
+    pcm.set(fade(this.falling.slice(0, n), pcm.subarray(0, n), this.ramp - this.falling.length, this.ramp));
+    this.falling = this.falling.slice(n); // a packet may be shorter than the ramp
     this.reserve(pcm.length + this.reach);
     this.data.set(pcm, this.end - this.base);
     this.end += pcm.length;
   }
 
   private leap(sample: number): void {
-    if (!this.falling.length && (this.end > this.at || this.flows)) this.falling = this.beyond(this.end);
+    if (this.falling.length < this.ramp && (this.end > this.at || this.flows)) this.falling = this.beyond(this.end);
     this.tie({ index: this.end, sample, pace: 1 });
   }
 

@@ -78,8 +78,8 @@ function best(sound: Sound, at: number, way: number, lags: { from: number; to: n
 }
 
 /** From `old` to `fresh`, both of one length, along a straight line: what is alike keeps its strength. */
-export function fade(old: Sound, fresh: Sound): Sound {
-  return old.map((v, k) => v + (fresh[k] - v) * ((k + 1) / (old.length + 1)));
+export function fade(old: Sound, fresh: Sound, done = 0, length = old.length): Sound {
+  return old.map((v, k) => v + (fresh[k] - v) * ((done + k + 1) / (length + 1)));
 }
 
 /**

@@ -89,6 +89,15 @@ describe("Line", () => {
     expect([noise.alter(-1), noise.alter(1)]).toEqual([null, null]);
   });
 
+  it("bridges a gap with packets shorter than the bridge as with one", () => {
+    const [whole, pieces] = [filled(3200, 3100), filled(3200, 3100)];
+    whole.push(16050, VOICE.subarray(16050, 16250));
+    for (let k = 16050; k < 16250; k++) pieces.push(k, VOICE.subarray(k, k + 1));
+    const [expected, found] = [rest(whole).pcm, rest(pieces).pcm];
+    expect(found.length).toBe(300);
+    expect(found.every((v, k) => Math.abs(v - expected[k]) <= 2)).toBe(true);
+  });
+
   it("leaves out what was not played, but for the last; later leaps keep their places", () => {
     const line = filled(8000, 1000 - REACH);
     line.push(10000, VOICE.subarray(10000, 12000));
