@@ -30,11 +30,10 @@ from tests.e2e.link import Link
 LATE_MS = 120.0
 """99 in 100 packets have to be earlier, while voices are killed and connections break."""
 WARM_S = 300.0
-GROWTH = 1.05
-"""After so long, all workers have touched what they have in common and sessions that linger have come to an
-end as fast as they come."""
-SHORT_GROWTH = 1.10
-"""Of a run so short that it begins while the server warms up."""
+"""After so long all workers have touched what they have in common, and sessions that linger end as fast as
+they come."""
+GROWTH, SHORT_GROWTH = 1.05, 1.10
+"""How much memory may grow from then on; in a run that is over before, from its beginning."""
 TEXT = "This is said while much else goes on, and it is interrupted, revised, paused and said again. " * 2
 
 
@@ -135,12 +134,12 @@ async def soak(address: str, pid: int, seconds: float, talkers: int) -> list[str
     await asyncio.sleep(min(20.0, seconds / 3))
     run.tally.clear()
     memory, files, start = pss_kb(pid), run.files(), time.monotonic()
-    warm, growth = False, SHORT_GROWTH
+    growth = SHORT_GROWTH
     step = min(60.0, seconds / 3)
     while (left := seconds - (time.monotonic() - start)) > 0:
         await asyncio.sleep(min(step, left))
-        if not warm and time.monotonic() - start >= WARM_S:
-            warm, growth, memory = True, GROWTH, pss_kb(pid)
+        if growth != GROWTH and time.monotonic() - start >= WARM_S:
+            growth, memory = GROWTH, pss_kb(pid)
         late = float(np.percentile(run.tally.lateness_ms or [0.0], 99))
         print(
             f"{time.monotonic() - start:7.0f} s  late p99 {late:6.1f} ms  underruns {run.tally.underruns}  "

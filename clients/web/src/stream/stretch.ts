@@ -77,7 +77,10 @@ function best(sound: Sound, at: number, way: number, lags: { from: number; to: n
   return found;
 }
 
-/** From `old` to `fresh`, both of one length, along a straight line: what is alike keeps its strength. */
+/**
+ * From `old` to `fresh`, both of one length, along a straight line: what is alike keeps its strength. They may be a part
+ * of a fade of that `length`, of which so much was `done` before.
+ */
 export function fade(old: Sound, fresh: Sound, done = 0, length = old.length): Sound {
   return old.map((v, k) => v + (fresh[k] - v) * ((done + k + 1) / (length + 1)));
 }
