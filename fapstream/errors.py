@@ -45,6 +45,12 @@ class PointsError(InputError):
     code = "bad_points"
 
 
+class ClipError(InputError):
+    """A clip of a face or of speech cannot be used: no face, no speech, too short, too long, not as said."""
+
+    code = "bad_clip"
+
+
 class NotAuthorised(InputError):
     """What was asked for takes a token, or another one than was shown. The message never holds the token."""
 

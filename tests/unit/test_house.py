@@ -29,6 +29,7 @@ ROOMS: dict[str, set[str]] = {
     "tts": set(),
     "fap": set(),
     "motion": {"fap"},
+    "learn": {"fap", "head", "motion", "tts"},
     "head": {"fap"},
     "adapt": {"fap", "head"},
     "stream": set(),
