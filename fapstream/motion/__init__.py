@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fapstream.motion.idle import IdleLife
 from fapstream.motion.mixer import idle_face
+from fapstream.motion.mouths import DEFAULT_MODEL, GAINS, MODELS, Motion
 from fapstream.motion.track import FaceTrack
 
-__all__ = ["FaceTrack", "IdleLife", "idle_face"]
+__all__ = ["DEFAULT_MODEL", "GAINS", "MODELS", "FaceTrack", "IdleLife", "Motion", "idle_face"]

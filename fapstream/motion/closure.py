@@ -38,8 +38,9 @@ def part(values: Values) -> None:
     values[..., lower] -= 0.5 * excess
 
 
-def seal(values: Values, share: float | Values) -> None:
-    """Bring the lips to the distance that p, b and m have, at share 1 exactly. In place."""
+def seal(values: Values, share: float | Values, jaw: bool = True) -> None:
+    """Bring the lips to the distance that p, b and m have, at share 1 exactly, and the jaw if asked to. In
+    place."""
     closed = visemes()[CLOSED]
     upper, lower = UPPER[VERTICAL], LOWER[VERTICAL]
     each = np.expand_dims(share, -1)
@@ -50,14 +51,16 @@ def seal(values: Values, share: float | Values) -> None:
     apart = share * (values[..., top] - values[..., bottom] - closed[top] + closed[bottom])
     values[..., top] -= apart / 2
     values[..., bottom] += apart / 2
-    values[..., JAW] += each * (closed[JAW] - values[..., JAW])
+    if jaw:
+        values[..., JAW] += each * (closed[JAW] - values[..., JAW])
 
 
-def bite(values: Values, share: float | Values) -> None:
-    """Bring the lower lip to the upper teeth as f and v do; the upper lip keeps clear. In place."""
+def bite(values: Values, share: float | Values, jaw: bool = True) -> None:
+    """Bring the lower lip to the upper teeth as f and v do, and the jaw if asked to; the upper lip keeps
+    clear. In place."""
     bitten = visemes()[BITTEN]
     each = np.expand_dims(share, -1)
-    for columns in (LOWER, JAW):
+    for columns in (LOWER, JAW) if jaw else (LOWER,):
         values[..., columns] += each * (bitten[columns] - values[..., columns])
     upper = UPPER[VERTICAL]
     values[..., upper] -= each * np.maximum(0.0, values[..., upper] - bitten[upper])

@@ -38,12 +38,16 @@ KNEE = 0.9
 
 @dataclass(frozen=True, slots=True)
 class Mouth:
-    """What speech wants: FAPs (68,), and how much (0 to 1) it speaks, lips meet, lip meets teeth."""
+    """What speech wants: FAPs (68,), and how much (0 to 1) it speaks, lips meet, lip meets teeth.
+
+    `jaw`: contacts move it as well, for where it is says nothing about them.
+    """
 
     values: Values
     speaks: Real = 0.0
     seal: Real = 0.0
     bite: Real = 0.0
+    jaw: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,17 +64,22 @@ class Streams:
 
 def mix(streams: Streams) -> Values:
     """The face, FAPs (68,) in FAP units, within the anatomical limits."""
-    mouth = streams.mouth
-    silenced = np.expand_dims(mouth.speaks, -1) * (1.0 - shares_while_speaking())
-    values = mouth.values + streams.expression * (1.0 - silenced)
-    closure.part(values)
-    closure.seal(values, mouth.seal)
-    closure.bite(values, mouth.bite)
+    values = spoken(streams.mouth, streams.expression)
     values += streams.gesture
     values[..., PITCH : ROLL + 1] += np.stack(streams.idle.head, axis=-1) / AU
     look(values, streams.idle.look)
     shut(values, np.maximum(streams.shut, streams.idle.shut))
     return limited(values)
+
+
+def spoken(mouth: Mouth, expression: Values) -> Values:
+    """What mouth and expression make of the face together; lips and teeth that have to meet do."""
+    silenced = np.expand_dims(mouth.speaks, -1) * (1.0 - shares_while_speaking())
+    values = mouth.values + expression * (1.0 - silenced)
+    closure.part(values)
+    closure.seal(values, mouth.seal, mouth.jaw)
+    closure.bite(values, mouth.bite, mouth.jaw)
+    return values
 
 
 def idle_face(idle: Idle) -> Values:

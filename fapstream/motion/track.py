@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +11,10 @@ from numpy.typing import NDArray
 from fapstream.motion.chance import BACK_S, minimum_jerk
 from fapstream.motion.feeling import Feeling
 from fapstream.motion.gestures import Gestures
-from fapstream.motion.hermite import Values, hermite, limited_slope
+from fapstream.motion.hermite import Values
 from fapstream.motion.idle import Idle, IdleLife, Look
-from fapstream.motion.mixer import Mouth, Streams, mix
-from fapstream.motion.visemes import N_CHANNELS, Keyframe, keyframes, mouth
+from fapstream.motion.mixer import Streams, mix
+from fapstream.motion.mouths import Motion, mouth_track
 from fapstream.records import N_FAPS, FapFrame, TimedPhone
 
 BLOCK = 32
@@ -33,11 +31,14 @@ SEAM_S = 0.1
 class FaceTrack:
     """Mixes the streams of a turn as its phones come.
 
-    A frame can be given once the two keyframes after it are known, or the one after it if that is at
-    rest, or when everything that will come has come up to a pause.
+    A frame can be given once as many phones after it are known as the mouth's model looks ahead, or when
+    everything that will come has come up to a pause.
     """
 
-    def __init__(self, lang: str, sample_rate: int, fps: int, seed: int = 0) -> None:
+    def __init__(
+        self, lang: str, sample_rate: int, fps: int, seed: int = 0, motion: Motion | None = None
+    ) -> None:
+        self._motion = motion or Motion()
         self._lang = lang
         self._sample_rate = sample_rate
         self._fps = fps
@@ -46,7 +47,7 @@ class FaceTrack:
         self._frame = 0
         self._shown: deque[FapFrame] = deque(maxlen=round(BACK_S * fps))
         self._made: deque[FapFrame] = deque()
-        self._speech = SpeechTrack(sample_rate, fps)
+        self._speech = mouth_track(self._motion, lang, sample_rate, fps)
         self._feeling = Feeling(sample_rate)
         self._gestures = Gestures(seed, sample_rate)
         self._end = 0
@@ -59,7 +60,7 @@ class FaceTrack:
     def add(self, phones: Iterable[TimedPhone]) -> None:
         """The next phones, in order of time."""
         for timed in phones:
-            self._speech.add(keyframes(timed, self._lang, self._sample_rate), timed.end)
+            self._speech.add(timed)
             self._feeling.add(timed)
             self._gestures.add(timed)
             self._end = timed.end
@@ -74,7 +75,7 @@ class FaceTrack:
         while self._shown and self._shown[-1].sample >= sample:
             self._shown.pop()
         self._seam, self._end = sample / self._sample_rate, sample
-        self._speech = SpeechTrack(self._sample_rate, self._fps, sample)
+        self._speech = mouth_track(self._motion, self._lang, self._sample_rate, self._fps, sample)
         self._feeling.cut(self._seam)
         self._gestures.cut(self._seam)
         self._offset = np.zeros(N_FAPS)
@@ -152,98 +153,3 @@ class _Ahead:
             self._block = block
         shut, yaw, pitch, nearness, *head = self._rows[:, at : at + n]
         return Idle(shut, Look(yaw, pitch, nearness), (head[0], head[1], head[2]))
-
-
-class SpeechTrack:
-    """The speech stream: interpolates the mouth's keyframes as they come."""
-
-    def __init__(self, sample_rate: int, fps: int, start: int = 0) -> None:
-        """The mouth is at rest before `start`."""
-        self._sample_rate, self._fps = sample_rate, fps
-        self._keys: deque[Keyframe] = deque([Keyframe(start - 1, np.zeros(N_CHANNELS), rest=True)])
-        self._slope = np.zeros(N_CHANNELS)
-        """At the first of the keyframes."""
-        self._silent_until = start
-
-    def add(self, keys: Iterable[Keyframe], end: int) -> None:
-        """The keyframes of the next phone, which ends at sample `end`."""
-        found = list(keys)
-        for key in self._seen(found) if found[0].contact else found:
-            newest = self._keys[-1].sample
-            if key.sample > newest:
-                self._keys.append(key)
-            elif key.rest:
-                self._keys.append(replace(key, sample=newest + 1))
-        if self._keys[-1].rest:
-            self._silent_until = end
-
-    def ready_until(self) -> int:
-        """The mouth before this sample can be told now."""
-        if self._keys[-1].rest:
-            return self._silent_until
-        return self._keys[-2].sample if len(self._keys) > 1 else 0
-
-    def settled_until(self) -> int:
-        """The mouth before this sample will not change, whatever comes."""
-        return self._keys[-1].sample if self._keys[-1].rest else self.ready_until()
-
-    def at(self, samples: int | NDArray[np.int64]) -> Mouth:
-        """The mouth at a sample that is ready, or at many, ascending. They may not go back."""
-        wanted = np.atleast_1d(samples)
-        keys = self._until(int(wanted[-1]))
-        at = np.array([key.sample for key in keys])
-        values = np.array([key.values for key in keys])
-        slopes = self._slopes(keys, at, values)
-        here = np.maximum(np.searchsorted(at, wanted, side="right") - 1, 0)
-        there = np.minimum(here + 1, len(keys) - 1)
-        width = np.maximum(at[there] - at[here], 1)[:, None]
-        x = np.where(here < there, np.maximum(wanted - at[here], 0), 0)[:, None] / width
-        found = hermite(x, values[here], values[there], width * slopes[here], width * slopes[there])
-        self._slope = slopes[here[-1]]
-        for _ in range(here[-1]):
-            self._keys.popleft()
-        return mouth(found if np.ndim(samples) else found[0])
-
-    def _until(self, sample: int) -> list[Keyframe]:
-        """The keyframes up to the second after `sample`, as far as there are."""
-        after = next((i for i, key in enumerate(self._keys) if key.sample > sample), len(self._keys))
-        return list(islice(self._keys, after + 2))
-
-    def _slopes(self, keys: list[Keyframe], at: NDArray[np.int64], values: Values) -> Values:
-        """At each keyframe; at the last, whose successor is not looked at, and at rest: none."""
-        slopes = np.zeros_like(values)
-        slopes[0] = self._slope
-        if len(keys) > 2:
-            width, rise = np.diff(at)[:, None], np.diff(values, axis=0)
-            slopes[1:-1] = limited_slope(width[:-1], width[1:], rise[:-1], rise[1:])
-        slopes[[key.rest for key in keys]] = 0.0
-        return slopes
-
-    def rest_until(self, sample: int) -> None:
-        """The mouth was shown at rest up to here: it leaves rest no earlier."""
-        last = self._keys[-1]
-        if last.rest and sample > last.sample:
-            self._keys.append(Keyframe(sample, last.values, rest=True))
-
-    def _seen(self, keys: list[Keyframe]) -> list[Keyframe]:
-        """A contact, moved by less than a frame so that one frame falls into it however short it is.
-
-        Not before the newest keyframe: what lies before that may have been shown, and the contact before
-        this one may have been moved over its beginning.
-        """
-        first, last = keys[0].sample, keys[-1].sample
-        newest = self._keys[-1].sample
-        if self._frame_from(max(first, newest + 1)) <= last:
-            return keys
-        earliest = max(newest + 1, self._silent_until)
-        middle = (first + last) / 2
-        frame = self._frame_from(max(earliest, round(middle - self._sample_rate / self._fps / 2)))
-        start = max(earliest, min(first, frame))
-        return [replace(keys[0], sample=start), replace(keys[-1], sample=max(frame, last))]
-
-    def _frame_from(self, sample: int) -> int:
-        """The first sample at or after this one at which a frame holds."""
-        frame = -(-sample * self._fps // self._sample_rate)
-        while frame * self._sample_rate // self._fps < sample:
-            frame += 1
-        return frame * self._sample_rate // self._fps
