@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fapstream.motion import FaceTrack
+from fapstream.motion import FaceTrack, Motion
 from fapstream.records import Mark, Packet, Speech, TimedPhone, TurnFormat, Utterance, Word
 from fapstream.stream import KeptText, Loudness, Packetizer, SaidWord, SaidWords
 from fapstream.tts import FrontEnd
@@ -38,9 +38,11 @@ class _Caption:
 class Pipeline:
     """One turn from text to packets."""
 
-    def __init__(self, turn: TurnFormat, frontend: FrontEnd, seed: int = 0) -> None:
+    def __init__(
+        self, turn: TurnFormat, frontend: FrontEnd, seed: int = 0, motion: Motion | None = None
+    ) -> None:
         self.turn = turn
-        self._track = FaceTrack(turn.lang, turn.sample_rate, turn.fps, seed)
+        self._track = FaceTrack(turn.lang, turn.sample_rate, turn.fps, seed, motion)
         self._packetizer = Packetizer(turn)
         self._kept = KeptText()
         self._said = SaidWords(ASKING.get(turn.lang, ""))

@@ -20,8 +20,10 @@ from fapstream.adapters.timed import TimedVoice
 from fapstream.cli.arguments import unicode_text
 from fapstream.cli.describe import described, lines
 from fapstream.cli.manner import add_manner, manner
+from fapstream.cli.motion import add_motion, motion
 from fapstream.errors import InputError
 from fapstream.fap import FapSequence, format_fap
+from fapstream.motion import Motion
 from fapstream.pipeline import Pipeline
 from fapstream.ports import Synthesizer
 from fapstream.records import FapFrame, Mark, Packet, TurnFormat, Utterance
@@ -64,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--play", action="store_true", help="play it (the default if no file is asked for)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks and head motion")
     add_manner(parser)
+    add_motion(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -82,7 +85,7 @@ async def _say(args: argparse.Namespace) -> None:
             sound = _sound(turn, stack) if args.play or not files else None
             sink = Sink(args, turn, stack)
             make = Explained if args.explain else Pipeline
-            pipeline = make(turn, FrontEnd(turn.lang, wished), args.seed)
+            pipeline = make(turn, FrontEnd(turn.lang, wished), args.seed, motion(args))
             talk = Talk(pipeline, synthesizer, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
             await _run(talk, args.text, sink, sound)
             sink.finish(synthesizer.lines if isinstance(synthesizer, PhoRecorder) else [])
@@ -181,8 +184,8 @@ async def _feed_when_room(talk: Talk, text: str) -> None:
 class Explained(Pipeline):
     """A pipeline that prints what its front-end makes of each word."""
 
-    def __init__(self, turn: TurnFormat, frontend: FrontEnd, seed: int) -> None:
-        super().__init__(turn, frontend, seed)
+    def __init__(self, turn: TurnFormat, frontend: FrontEnd, seed: int, motion: Motion) -> None:
+        super().__init__(turn, frontend, seed, motion)
         self._explaining = frontend
 
     def feed(self, text: str) -> list[Utterance]:

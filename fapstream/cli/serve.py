@@ -26,6 +26,7 @@ from fapstream.cli.arguments import between, port
 from fapstream.cli.heads import servable
 from fapstream.cli.logs import add_log_arguments, start_log
 from fapstream.cli.manner import add_manner, manner
+from fapstream.cli.motion import add_motion, motion
 from fapstream.cli.serving import HUB_SOCKET, Plan, cores, raise_file_limit, run_hub, warm_languages, work
 from fapstream.cli.workers import Lifeline, Supervisor, Work
 from fapstream.errors import InputError
@@ -62,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_scale(parser)
     _add_doors(parser)
     add_manner(parser)
+    add_motion(parser)
     add_log_arguments(parser)
     parser.add_argument("--verbose", action="store_true", help="log every connection (--log-level info)")
 
@@ -171,7 +173,7 @@ def _plan(args: argparse.Namespace) -> Plan:
     )
     return Plan(
         host=args.host, port=args.port, heads=dict(servable(wish) for wish in args.head), lang=args.lang,
-        voice=args.voice, manner=manner(args, args.lang, complete=False), limits=limits,
+        voice=args.voice, manner=manner(args, args.lang, complete=False), motion=motion(args), limits=limits,
         doors=Doors(listed(args.origin), loopback, bool(secrets)), proxies=networks(args.trust_proxy),
         secrets=secrets, channels=tuple(args.channel), bus=args.bus,
         tls=(args.tls_cert, args.tls_key) if args.tls_cert else None, drain_s=args.drain,

@@ -27,6 +27,7 @@ from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.spares import watch_by_descriptor
 from fapstream.cli.editor import EditorProcess
 from fapstream.errors import InputError, NotAuthorised, SynthesisError
+from fapstream.motion import Motion
 from fapstream.ports import Bus, Meter
 from fapstream.server import Adapting, Address, App, Lobby, Service, Site, running
 from fapstream.server.admission import Admission, Limits, Network
@@ -55,6 +56,7 @@ class Plan:
     lang: str
     voice: str | None
     manner: Manner
+    motion: Motion = field(default_factory=Motion)
     limits: Limits = field(default_factory=Limits)
     doors: Doors = field(default_factory=Doors)
     proxies: tuple[Network, ...] = ()
@@ -124,7 +126,15 @@ def _app(plan: Plan, index: int, pool: VoicePool, bus: Bus, meter: Metrics) -> A
     clock = MonotonicClock()
     admission = Admission(plan.limits, random.Random())
     service = Service(
-        pool, clock, lambda: site.heads, plan.lang, plan.voice, plan.manner, meter, admission.load.sent
+        pool,
+        clock,
+        lambda: site.heads,
+        plan.lang,
+        plan.voice,
+        plan.manner,
+        plan.motion,
+        meter,
+        admission.load.sent,
     )
     gate = Gate(admission, clock, plan.secrets)
     lobby = Lobby(service, bus, plan.channels, index, gate.listen_token)

@@ -16,6 +16,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+TWINS = 1e-6
+"""Parts that differ by no more than this part of them are as great as each other."""
+
+
 @dataclass(frozen=True, slots=True)
 class Guide:
     """Take so many components of those columns. `sign`: that of the greatest part of each."""
@@ -72,9 +76,12 @@ class GuidedPca:
 
 
 def _components(x: Floats, n: int) -> Floats:
-    """The first n principal directions of centred rows, shape (n, columns); the greatest part is positive."""
+    """The first n principal directions of centred rows, shape (n, columns); the greatest part is positive,
+    the first of them if twins on either side of a face are as great."""
     _, vectors = np.linalg.eigh(x.T @ x)
     found: Floats = vectors[:, ::-1][:, :n].T
-    largest = found[np.arange(len(found)), np.abs(found).argmax(axis=1)]
+    size = np.abs(found)
+    first = (size >= (1 - TWINS) * size.max(axis=1, keepdims=True)).argmax(axis=1)
+    largest = found[np.arange(len(found)), first]
     turned: Floats = found * np.sign(largest)[:, None]
     return turned

@@ -262,7 +262,7 @@ class Conversation:
         follows = self._heard_at if self._heard_at > now else None
         lead, group = (SHARED_LEAD_S, 0.0) if shared else (LEAD_S - GROUP_S, GROUP_S)
         pacer = turn.pacer = Pacer(voice.sample_rate, lead, group, follows)
-        pipeline = Pipeline(form, FrontEnd(voice.lang, manner), seed=turn.number)
+        pipeline = Pipeline(form, FrontEnd(voice.lang, manner), turn.number, self._service.motion)
         talk = Talk(
             pipeline,
             synthesizer,

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from fapstream.motion import Motion
 from fapstream.ports import Clock, Meter, NoMeter, Synthesizer
 from fapstream.tts import DEFAULT_LOOK_AHEAD, Manner
 from fapstream.tts.voices import Voice
@@ -35,6 +36,8 @@ class Service:
     voice: str | None = None
     manner: Manner = field(default_factory=lambda: Manner(look_ahead=DEFAULT_LOOK_AHEAD))
     """How turns are read that do not say otherwise; its lexicon is for `lang` only."""
+    motion: Motion = field(default_factory=Motion)
+    """How faces move."""
     meter: Meter = field(default_factory=NoMeter)
     sent: Callable[[float, float], None] = lambda lateness_s, now: None
     """Told of every packet how long after it was due it left, and when."""

@@ -37,7 +37,7 @@ ROOMS: dict[str, set[str]] = {
     "pipeline": {"tts", "motion", "fap", "stream"},
     "talk": {"pipeline"},
     "adapters": {"adapt", "tts"},
-    "server": {"tts", "pipeline", "talk", "protocol", "stream"},
+    "server": {"motion", "tts", "pipeline", "talk", "protocol", "stream"},
     "client": {"protocol"},
     "viewer": {"adapters", "client", "fap", "head", "motion", "protocol", "stream"},
     "bridges": {"fap", "head", "stream"},
