@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,11 +143,6 @@ def predicted(mouth: MouthModel, heard: Sentence) -> Floats:
         TimedUnit(name, round(begin * TICKS), round(end * TICKS))
         for name, (begin, end) in zip(heard.units, heard.times, strict=True)
     ]
-    instants = np.ceil([unit.end / rate / STEP_S - 1e-9 for unit in units]).astype(int)
-    rows, first = [], 0
-    for at, end in enumerate(instants):
-        if end > first:
-            window = units[: at + 1 + mouth.look_ahead]
-            rows.append(mouth.parameters(window, at, first, int(end) - first, rate))
-            first = int(end)
-    return np.concatenate(rows)
+    ends = [ceil(unit.end / rate / STEP_S - 1e-9) for unit in units]
+    of = np.repeat(np.arange(len(units)), np.diff(ends, prepend=0))
+    return mouth.parameters(units, of, 0, rate)

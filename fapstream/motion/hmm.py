@@ -1,32 +1,33 @@
 """The mouth as tied-state triphones move it: speech-enabled-avatars, section 4 and appendix B, piece by
 piece.
 
-A trajectory over a whole talk would be one large system of equations. Here each unit's instants are solved
-for by themselves, with what lies a little before and after them: the kernel is too narrow for what is further
-away to matter (the test says by how much). The cost is linear, and a unit needs the two after it.
+A trajectory over a whole talk would be one large system of equations. Here a few instants at a time are
+solved for by themselves, with what lies a little before and after them: the kernel is too narrow for what is
+further away to matter (the test says by how much). The cost is linear, and a unit needs the two after it: the
+next one as a triphone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fapstream.motion.questions import UNKNOWN, Context
-from fapstream.motion.spline import STEP_S, Segments, Smoothness, observed, smooth
+from fapstream.motion.questions import Context
+from fapstream.motion.spline import AFTER, AT_ONCE, BEFORE, STEP_S, Segments, Smoothness, observed, windowed
 from fapstream.motion.trees import TiedStates
 from fapstream.motion.units import SIL, TimedUnit
 
 Floats = NDArray[np.float64]
-State = tuple[tuple[float, Floats, Floats], ...]
-"""Of a unit: the part of it that each state takes, precisions, and precisions times means."""
+Ints = NDArray[np.int64]
+State = tuple[float, Floats, Floats]
+"""The part of its unit that a state takes, precision, and precision times mean."""
 
-BEFORE, AFTER = 6, 8
-"""Instants before and after a piece that take part."""
 MOST_STATES = 4096
-"""Units in context whose states are remembered: 160 kB for English news."""
+"""Units in context whose states are remembered: half of those of English news."""
 
 
 class HmmMouth:
@@ -35,55 +36,60 @@ class HmmMouth:
     look_ahead = 2
 
     def __init__(self, states: TiedStates, how: Smoothness) -> None:
-        self.n = states.mean.shape[1]
         self._states = states
         self._how = how
         self._state = lru_cache(MOST_STATES)(self._look_up)
 
-    def parameters(self, units: Sequence[TimedUnit], at: int, first: int, n: int, rate: int) -> Floats:
+    def parameters(self, units: Sequence[TimedUnit], of: Ints, first: int, rate: int) -> Floats:
         """See `MouthModel`."""
-        begin = first - BEFORE
-        end = min(first + n + AFTER, max(first + n, int(np.ceil(units[-1].end / rate / STEP_S))))
-        mean, precision = observed(self._segments(units, at, rate, begin * STEP_S), begin, end - begin)
-        return smooth(mean, precision, self._how)[first - begin : first - begin + n]
+        begin, n = first - BEFORE, len(of)
+        last = min(int(of[-1]) + 1, len(units) - 1)
+        segments = self._segments(units[: last + 2], last, rate, (begin - 0.5) * STEP_S)
+        seen = observed(segments, begin, BEFORE + n + AT_ONCE + AFTER)
+        starts = np.flatnonzero(_begins(of))
+        # an instant of which a part lies beyond what is known is not known
+        ends = [floor(units[min(unit + 1, last)].end / rate / STEP_S + 0.5) for unit in of[starts]]
+        pieces = np.stack([starts + BEFORE, np.array(ends) - begin], axis=1)
+        rows = windowed(seen, pieces, self._how)
+        return rows[starts[:, None] + np.arange(AT_ONCE) < np.append(starts[1:], n)[:, None]]
 
-    def _segments(self, units: Sequence[TimedUnit], at: int, rate: int, begin: float) -> Segments:
-        """The states from an instant (s) on to the last unit."""
-        edges: list[float] = []
-        rows: list[tuple[float, Floats, Floats]] = []
-        start = at
+    def _segments(self, units: Sequence[TimedUnit], last: int, rate: int, begin: float) -> Segments:
+        """The states from an instant (s) on to the end of a unit."""
+        start = last
         while start > 0 and units[start].start > begin * rate:
             start -= 1
-        for i in range(start, len(units)):
+        edges: list[float] = []
+        rows: list[State] = []
+        for i in range(start, last + 1):
             unit = units[i]
-            found = self._state(_context(units, i))
             here, length = unit.start / rate, (unit.end - unit.start) / rate
-            for state in found:
+            states = self._state(_context(units, i))
+            for state in states:
                 edges.append(here)
                 here += state[0] * length
-            rows += found
-        edges.append(units[-1].end / rate)
+            rows += states
+        edges.append(units[last].end / rate)
         bounds = np.array(edges)
-        return Segments(
-            bounds[:-1], bounds[1:], np.array([r[1] for r in rows]), np.array([r[2] for r in rows])
-        )
+        precision, weighted = np.array([row[1] for row in rows]), np.array([row[2] for row in rows])
+        return Segments(bounds[:-1], bounds[1:], precision, weighted)
 
-    def _look_up(self, context: Context) -> State:
+    def _look_up(self, context: Context) -> tuple[State, ...]:
         states = self._states.states(context)
         precision = 1 / self._states.var[states]
-        rows = zip(
-            self._states.shares(states).tolist(),
-            precision,
-            precision * self._states.mean[states],
-            strict=True,
-        )
-        return tuple(rows)
+        shares = self._states.shares(states).tolist()
+        return tuple(zip(shares, precision, precision * self._states.mean[states], strict=True))
+
+
+def _begins(of: Ints) -> NDArray[np.bool_]:
+    """Whether a piece begins at each instant: with each unit, and after AT_ONCE instants of it."""
+    new = np.ones(len(of), np.bool_)
+    np.not_equal(of[1:], of[:-1], out=new[1:])
+    at = np.arange(len(of))
+    since = at - np.maximum.accumulate(np.where(new, at, 0))
+    return np.asarray(since % AT_ONCE == 0)
 
 
 def _context(units: Sequence[TimedUnit], i: int) -> Context:
-    """Silence lies around everything; what comes after the last unit, unless that is silence, is not
-    known."""
+    """Silence lies around everything that is known."""
     before = units[i - 1].name if i else SIL
-    if i + 1 < len(units):
-        return Context(before, units[i].name, units[i + 1].name)
-    return Context(before, units[i].name, SIL if units[i].name == SIL else UNKNOWN)
+    return Context(before, units[i].name, units[i + 1].name if i + 1 < len(units) else SIL)

@@ -26,9 +26,10 @@ from fapstream.motion.units import SIL, TimedUnit, units
 from fapstream.records import TimedPhone
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-PIECE = 12
-"""So many instants of a unit are made at once at most."""
+PIECE, RUN = 10, 48
+"""So many instants of a silence are made at once, and with so many, or more, a run of units ends."""
 KEPT_S = 0.6
 """Units that ended longer ago are forgotten."""
 REST_S = 0.2
@@ -48,12 +49,13 @@ class MouthModel(Protocol):
     def look_ahead(self) -> int:
         """So many units after one have to be known before its parameters can be told."""
 
-    def parameters(self, units: Sequence[TimedUnit], at: int, first: int, n: int, rate: int) -> Floats:
-        """The parameters, shape (n, parameters), at n instants STEP_S apart that lie in unit `at`; the first
-        is instant number `first` of the talk.
+    def parameters(self, units: Sequence[TimedUnit], of: Ints, first: int, rate: int) -> Floats:
+        """The parameters, shape (n, parameters), at n instants STEP_S apart, of which the first is number
+        `first` of the talk; `of`, shape (n,), is the unit in which each lies.
 
-        `units`: those of the last KEPT_S and `look_ahead` after `at`, or up to the next silence, or, in a
-        silence, none if none are known. Times are samples at `rate`.
+        `units`: those of the last KEPT_S, and `look_ahead` after the last one in `of`, or up to the next
+        silence, or, in a silence, none if none are known. Times are samples at `rate`. What comes of an
+        instant does not depend on which others are asked for, if units are asked for as a whole.
         """
 
 
@@ -109,7 +111,7 @@ class LearnedMouth:
         hidden = self._hidden.at(samples)
         numbers = np.rint(np.atleast_1d(samples) / self._step).astype(np.int64)
         while self._next <= numbers[-1]:
-            self._make()
+            self._make(int(numbers[-1]))
         first = self._next - len(self._rows)
         rows = np.array(self._rows)[np.maximum(numbers - first, 0)]
         hidden.values[..., COLUMNS] = rows if np.ndim(samples) else rows[0]
@@ -130,24 +132,38 @@ class LearnedMouth:
         """The first instant at a sample or after it."""
         return ceil(sample / self._step - 1e-9)
 
-    def _make(self) -> None:
-        """The next instants of one unit."""
+    def _make(self, until: int) -> None:
+        """The next instants, to that one or further: of a silence, or of units up to the next one."""
         while self._ceil(self._units[self._at].end) <= self._next:
             self._at += 1
         self._forget()
-        unit = self._units[self._at]
-        window = self._window()
-        known = len(window) > self._at + 1
-        n = min(PIECE, self._ceil(unit.end) - self._next)
-        if self._guessed and (known or unit.name != SIL):
-            self._seam = self._next - 1, self._rows[-1] - self._faps(window, self._next - 1, 1)[0]
-        rows = self._faps(window, self._next, n)
-        since = np.arange(self._next, self._next + n) - self._seam[0]
+        of = self._of_silence() if self._units[self._at].name == SIL else self._of_speech(until)
+        window = self._window(int(of[-1]))
+        known = self._units[self._at].name != SIL or len(window) > self._at + 1
+        if self._guessed and known:
+            self._seam = self._next - 1, self._rows[-1] - self._faps(window, of[:1], self._next - 1)[0]
+        rows = self._faps(window, of, self._next)
+        since = np.arange(self._next, self._next + len(of)) - self._seam[0]
         if since[0] < SEAM:
             rows = rows + np.outer(1 - minimum_jerk(since / SEAM), self._seam[1])
         self._rows.extend(rows)
-        self._next += n
-        self._guessed = unit.name == SIL and not known
+        self._next += len(of)
+        self._guessed = not known
+
+    def _of_silence(self) -> Ints:
+        """The unit of each instant that is made next, in a silence."""
+        return np.full(min(PIECE, self._ceil(self._units[self._at].end) - self._next), self._at)
+
+    def _of_speech(self, until: int) -> Ints:
+        """The same of whole units, as many as are known and wanted, or fill a run."""
+        known_until = max(self._known_until(), self._silence[0])
+        found: list[int] = []
+        for at in range(self._at, len(self._units)):
+            unit, number = self._units[at], self._next + len(found)
+            if found and (number > until or len(found) >= RUN or unit.name == SIL or unit.end > known_until):
+                break
+            found += [at] * (self._ceil(unit.end) - number)
+        return np.array(found)
 
     def _forget(self) -> None:
         """Units that are long over."""
@@ -158,24 +174,24 @@ class LearnedMouth:
         del self._units[:old]
         self._at -= old
 
-    def _window(self) -> Sequence[TimedUnit]:
-        """The units that count for the one that is made: never beyond a silence."""
-        after = self._units[self._at + 1 : self._at + 1 + self._model.look_ahead]
+    def _window(self, last: int) -> Sequence[TimedUnit]:
+        """The units that count for those up to the last one that is made: never beyond the next silence."""
+        after = self._units[last + 1 : last + 1 + self._model.look_ahead]
         silence = next((i for i, unit in enumerate(after) if unit.name == SIL), None)
         if silence is None and len(after) < self._model.look_ahead:
-            return self._units[: self._at + 1]
-        return self._units[: self._at + 1] + after[: None if silence is None else silence + 1]
+            return self._units[: last + 1]
+        return self._units[: last + 1] + after[: None if silence is None else silence + 1]
 
-    def _faps(self, window: Sequence[TimedUnit], first: int, n: int) -> Floats:
-        """The model's at n instants of the unit that is made, as far as a silence lets them be."""
-        parameters = self._model.parameters(window, self._at, first, n, self._speaking.rate)
+    def _faps(self, window: Sequence[TimedUnit], of: Ints, first: int) -> Floats:
+        """The model's, as far as a silence lets them be; see `MouthModel` for what is handed in."""
+        parameters = self._model.parameters(window, of, first, self._speaking.rate)
         faps = self._speaking.gain * self._articulation.faps(parameters)
         unit = window[self._at]
         if unit.name != SIL:
             return faps
-        at = np.arange(first, first + n, dtype=np.float64) * self._step
+        at = np.arange(first, first + len(of), dtype=np.float64) * self._step
         rest_samples = REST_S * self._speaking.rate
-        rest = np.ones(n)
+        rest = np.ones(len(of))
         if unit is not self._opening:
             rest *= minimum_jerk((at - unit.start) / rest_samples)
         if len(window) > self._at + 1:

@@ -20,6 +20,7 @@ from fapstream.motion.spline import STEP_S
 from fapstream.motion.units import SIL, TimedUnit, features
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Key = tuple[float, str]
 """When the carrier is where, s and the name of a target."""
 
@@ -66,30 +67,35 @@ class OhmanMouth:
         }
         self._target = {name: self._target[stand_in(name, self._target)] for name in wanted | {SIL, READY}}
 
-    def parameters(self, units: Sequence[TimedUnit], at: int, first: int, n: int, rate: int) -> Floats:
+    def parameters(self, units: Sequence[TimedUnit], of: Ints, first: int, rate: int) -> Floats:
         """See `MouthModel`."""
-        t = np.arange(first, first + n, dtype=np.float64) * STEP_S
-        places = [key for i, unit in enumerate(units) for key in keys(unit, rate, i + 1 < len(units))]
-        found = [unit for unit in units if unit.name in self._consonant and _shows(unit, t, rate)]
-        p = self._carrier(places, t)
-        if not found:
+        t = np.arange(first, first + len(of), dtype=np.float64) * STEP_S
+        limit = of + self.look_ahead
+        p = self._carrier(units, limit, t, rate)
+        shown = [i for i, unit in enumerate(units) if unit.name in self._consonant and _shows(unit, t, rate)]
+        if not shown:
             return p
-        rows = [self._consonant[unit.name] for unit in found]
-        times = np.array([(unit.start, unit.end) for unit in found]) / rate
+        rows = [self._consonant[units[i].name] for i in shown]
+        times = np.array([(units[i].start, units[i].end) for i in shown]) / rate
         weight = self._model.weight[rows]
-        shown = emergence(t, times, self._model.curve[rows]) * weight
+        much = emergence(t, times, self._model.curve[rows]) * weight
+        much *= (np.array(shown) <= limit[:, None])[..., None]
         order = np.argsort(weight, axis=0, kind="stable")
-        return emerged(
-            p,
-            np.take_along_axis(shown, order[None], axis=1),
-            np.take_along_axis(self._model.target[rows], order, axis=0),
-        )
+        target = np.take_along_axis(self._model.target[rows], order, axis=0)
+        return emerged(p, np.take_along_axis(much, order[None], axis=1), target)
 
-    def _carrier(self, places: Sequence[Key], t: Floats) -> Floats:
+    def _carrier(self, units: Sequence[TimedUnit], limit: Ints, t: Floats, rate: int) -> Floats:
+        """From vowel to vowel, as far as each instant may look."""
+        places: list[Key] = []
+        upto = []
+        for i, unit in enumerate(units):
+            places += keys(unit, rate, i + 1 < len(units))
+            upto.append(len(places))
         if not places:
-            places = [(0.0, READY)]
+            places, upto = [(0.0, READY)], [1] * len(units)
         values = self._model.values[[self._target[name] for _, name in places]]
-        found: Floats = interpolation(np.array([time for time, _ in places]), t) @ values
+        last = np.maximum(np.array(upto)[np.minimum(limit, len(units) - 1)] - 1, 0)
+        found: Floats = interpolation(np.array([time for time, _ in places]), t, last) @ values
         return found
 
 
@@ -119,12 +125,16 @@ def soft(x: Floats) -> Floats:
     return x * x * (3 - 2 * x)
 
 
-def interpolation(places: Floats, t: Floats) -> Floats:
-    """How much of the value at each place (s, ascending) is in that at each time, shape (t, places)."""
+def interpolation(places: Floats, t: Floats, last: Ints | None = None) -> Floats:
+    """How much of the value at each place (s, ascending) is in that at each time, shape (t, places).
+
+    `last`: shape (t,), the place beyond which a time does not look.
+    """
+    last = np.full(len(t), len(places) - 1) if last is None else last
     weights = np.zeros((len(t), len(places)))
     rows = np.arange(len(t))
-    before = np.clip(np.searchsorted(places, t, side="right") - 1, 0, len(places) - 1)
-    after = np.minimum(before + 1, len(places) - 1)
+    before = np.clip(np.searchsorted(places, t, side="right") - 1, 0, last)
+    after = np.minimum(before + 1, last)
     width = np.maximum(places[after] - places[before], 1e-6)
     share = soft((t - places[before]) / width)
     weights[rows, after] = share

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from fapstream.motion.units import features
 
 Answers = NDArray[np.bool_]
-UNKNOWN = "?"
 
 
 class Context(NamedTuple):
-    """A unit between two others: a triphone (speech-enabled-avatars, section 3.4). Of a neighbour that is
-    UNKNOWN nothing is true."""
+    """A unit between two others: a triphone (speech-enabled-avatars, section 3.4)."""
 
     before: str
     unit: str
@@ -31,8 +29,7 @@ def asked() -> tuple[str, ...]:
 
 @cache
 def _row(unit: str) -> Answers:
-    of = frozenset() if unit == UNKNOWN else features()[unit]
-    return np.array([feature in of for feature in asked()])
+    return np.array([feature in features()[unit] for feature in asked()])
 
 
 @cache

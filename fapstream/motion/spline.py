@@ -14,11 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 STEP_S = 0.02
 """Instants are so far apart: those of 50 frames a second, and every other one of 25."""
 UNSEEN = 1e-3
 """What an instant weighs that no state covers."""
+BEFORE, AT_ONCE, AFTER = 5, 5, 6
+"""Instants of a window: so many are told, and so many before and after them take part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,26 +57,39 @@ def observed(segments: Segments, first: int, n: int) -> tuple[Floats, Floats]:
 
 
 def smooth(mean: Floats, precision: Floats, how: Smoothness) -> Floats:
-    """The trajectories (n, parameters) at n instants STEP_S apart."""
-    n = len(mean)
-    kernel = _kernel(how.width_s, n)
-    system = np.repeat(kernel[None], mean.shape[1], axis=0)
-    system.reshape(mean.shape[1], -1)[:, :: n + 1] += how.weight / precision.T
-    found: Floats = (kernel @ np.linalg.solve(system, mean.T[..., None]))[..., 0].T
+    """The trajectories (..., n, parameters) at n instants STEP_S apart: of one talk or of many windows."""
+    kernel = _kernel(how.width_s, mean.shape[-2])
+    return _solved(mean, precision, how, kernel, kernel)
+
+
+def windowed(seen: tuple[Floats, Floats], pieces: Ints, how: Smoothness) -> Floats:
+    """The trajectories of pieces of a talk, each by a window of its own: shape (pieces, AT_ONCE, parameters).
+
+    `seen`: mean and precision, each (n, parameters). `pieces`: shape (p, 2), at which of the n instants each
+    begins, BEFORE it and from it on AT_ONCE and AFTER it being among them, and from which on its window looks
+    no further.
+    """
+    at = pieces[:, :1] + np.arange(-BEFORE, AT_ONCE + AFTER)
+    beyond = (at >= pieces[:, 1:])[..., None]
+    mean, precision = np.where(beyond, 0.0, seen[0][at]), np.where(beyond, UNSEEN, seen[1][at])
+    kernel = _kernel(how.width_s, BEFORE + AT_ONCE + AFTER)
+    return _solved(mean, precision, how, kernel, kernel[BEFORE : BEFORE + AT_ONCE])
+
+
+def _solved(mean: Floats, precision: Floats, how: Smoothness, kernel: Floats, told: Floats) -> Floats:
+    """K(told) (K + lambda / precision)^-1 mean, for each parameter (the last axis) by itself."""
+    n = len(kernel)
+    mean, precision = np.swapaxes(mean, -1, -2), np.swapaxes(precision, -1, -2)
+    system = np.empty((*mean.shape, n))
+    system[:] = kernel
+    system.reshape(*mean.shape[:-1], n * n)[..., :: n + 1] += how.weight / precision
+    found: Floats = np.swapaxes((told @ np.linalg.solve(system, mean[..., None]))[..., 0], -1, -2)
     return found
 
 
+@cache
 def _kernel(width_s: float, n: int) -> Floats:
     """K(t_l, t_m) of n instants, shape (n, n)."""
-    known = _LARGEST if n <= _LARGEST else n
-    return _whole_kernel(width_s, known)[:n, :n]
-
-
-_LARGEST = 64
-
-
-@cache
-def _whole_kernel(width_s: float, n: int) -> Floats:
     apart = (np.arange(n)[:, None] - np.arange(n)) * STEP_S
     found: Floats = np.exp(-0.5 * (apart / width_s) ** 2)
     return found
