@@ -143,6 +143,6 @@ def predicted(mouth: MouthModel, heard: Sentence) -> Floats:
         TimedUnit(name, round(begin * TICKS), round(end * TICKS))
         for name, (begin, end) in zip(heard.units, heard.times, strict=True)
     ]
-    ends = [ceil(unit.end / rate / STEP_S - 1e-9) for unit in units]
+    ends = [max(0, ceil(unit.end / rate / STEP_S - 1e-9)) for unit in units]
     of = np.repeat(np.arange(len(units)), np.diff(ends, prepend=0))
     return mouth.parameters(units, of, 0, rate)

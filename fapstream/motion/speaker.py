@@ -86,7 +86,7 @@ def unpack(data: bytes, name: str) -> Speaker:
                     name, None, "was made with other features than data/features.tsv; make it again"
                 )
             return _read({key: file[key] for key in file.files})
-    except (KeyError, ValueError, OSError, BadZipFile) as e:
+    except (KeyError, ValueError, OSError, EOFError, BadZipFile) as e:
         raise DataError(name, None, f"holds no articulation ({e})") from None
 
 
