@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from fapstream.records import Speech, Utterance
+from fapstream.records import Heard, Pcm, Speech, Utterance
 
 if TYPE_CHECKING:  # numpy's types and those of points, which speaking does without
     import numpy as np
@@ -68,6 +68,22 @@ class Landmarker(Protocol):
         Those behind the outline have little confidence.
 
         Raises PhotoError: more than one face, one that looks at the camera, no outline to be found.
+        """
+
+
+class Aligner(Protocol):
+    """Finds the words and phones of recorded English. `pcm`: mono int16 (n,), 16,000 samples a second."""
+
+    def align(self, pcm: Pcm, transcript: str) -> Heard:
+        """When each word of the transcript is said. Which of a word's pronunciations it is, is heard.
+
+        Raises ClipError: no words in the transcript, no speech, too short, words that do not fit the sound.
+        """
+
+    def recognise(self, pcm: Pcm) -> Heard:
+        """What is said, as far as can be heard, and when.
+
+        Raises ClipError: no speech, too short, nothing that can be understood.
         """
 
 

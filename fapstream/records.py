@@ -120,6 +120,50 @@ class Speech:
 
 
 @dataclass(frozen=True, slots=True)
+class HeardPhone:
+    """A phone of recorded speech and the seconds [start_s, end_s) in which it is heard.
+
+    `name`: as in the CMU Pronouncing Dictionary, vowels with their stress digit (`IY1`), `SIL` in a pause.
+    """
+
+    name: str
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class HeardWord:
+    """A spoken word of recorded speech, or a pause, whose `text` is "".
+
+    [char_start, char_end) are code points of `Heard.text`: those of the written word that it is a part of, so
+    that "5 pm" is `five`, `p` and `m`, the last two at the same characters; -1 in a pause. `fit`: how likely
+    the sound is if these are the phones, against the likeliest phones there; the mean over the phones of
+    the log likelihood ratio per 10 ms, in nats, 0 at best.
+    """
+
+    text: str
+    start_s: float
+    end_s: float
+    phones: tuple[HeardPhone, ...]
+    char_start: int = -1
+    char_end: int = -1
+    fit: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """Recorded speech: its words and pauses in order, without gaps, from 0 to its end.
+
+    `fit`: the mean over all phones, see HeardWord. `covered`: which part of the loud sound the words take up.
+    """
+
+    text: str
+    words: tuple[HeardWord, ...]
+    fit: float
+    covered: float
+
+
+@dataclass(frozen=True, slots=True)
 class FapFrame:
     """The facial animation parameters that hold at one sample.
 

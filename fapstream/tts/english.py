@@ -76,6 +76,10 @@ class English:
         """One word by itself. Characters other than a-z and the apostrophe are ignored."""
         return self._letters.get(word) or self._lexicon.get(word) or self._found(word)[0]
 
+    def readings(self, word: str) -> tuple[Tokens, ...]:
+        """Every way to say a word by itself; a homograph has several."""
+        return self._homographs.ways(word) if word in self._homographs else (self.word(word),)
+
     def _found(self, word: str) -> tuple[Tokens, str]:
         if tokens := self._letters.get(word):
             return tokens, "letter"

@@ -73,7 +73,11 @@ class Homographs:
     @property
     def words(self) -> Mapping[str, tuple[Tokens, ...]]:
         """Every homograph and its pronunciations, the usual one last."""
-        return {word: tuple(dict.fromkeys(rule.phones for rule in self._of(word))) for word in self._lines}
+        return {word: self.ways(word) for word in self._lines}
+
+    def ways(self, word: str) -> tuple[Tokens, ...]:
+        """The pronunciations of a homograph, the usual one last."""
+        return tuple(dict.fromkeys(rule.phones for rule in self._of(word)))
 
     def needs_next(self, word: str) -> bool:
         """Whether the word after it, or that there is none, could matter."""

@@ -63,7 +63,16 @@ IO_ROOMS = {"talk", "adapters", "server", "client", "viewer", "bridges", "cli"}
 THIRD_PARTY: dict[str, set[str]] = {
     "adapt": {"scipy", "PIL"},
     "protocol": {"msgpack"},
-    "adapters": {"pyaudio", "espeakng_loader", "ai_edge_litert", "prometheus_client", "redis"},
+    "adapters": {
+        "pyaudio",
+        "espeakng_loader",
+        "ai_edge_litert",
+        "prometheus_client",
+        "redis",
+        "soundfile",
+        "scipy",
+        "pocketsphinx",
+    },
     "server": {"websockets", "jwt"},
     "client": {"websockets"},
     "viewer": {"websockets", "moderngl", "glfw", "PIL"},
