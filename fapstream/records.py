@@ -154,7 +154,7 @@ class HeardWord:
 class Heard:
     """Recorded speech: its words and pauses in order, without gaps, from 0 to its end.
 
-    `fit`: the mean over all phones, see HeardWord. `covered`: which part of the loud sound the words take up.
+    `fit`: of the middle word, see HeardWord. `covered`: which part of the loud sound the words take up.
     """
 
     text: str

@@ -19,7 +19,8 @@ from fapstream.tts.cmu import stressed
 from fapstream.tts.transcript import Wanted, wanted
 
 LEAST_S = 0.2
-WINDOW_S = 30.0
+WINDOWS_S = ((24.0, 30.0), (18.0, 24.0), (12.0, 18.0))
+"""Where a window ends, at the quietest moment: in the first of these, or another if that does not do."""
 LAST_WINDOW_S = 45.0
 """What is left is aligned at once if it is no longer."""
 WORDS_PER_S = 6.0
@@ -28,11 +29,12 @@ KEEP = (0.4, 0.95)
 """The parts of a window between which what is kept of it ends."""
 PAUSE_S = 0.1
 """Better than this the end of a word far into the window."""
-LEAST_FIT = -3.8
-"""Nats; see tests/benchmarks/bench_align.py: right transcripts are above, wrong ones below."""
-JUDGED = 20
-"""Phones without which a window is not judged by itself."""
-LEAST_COVERED = 0.5
+LEAST_FIT = -4.4
+"""Nats: the middle word of a right transcript fits better, that of a wrong one worse, mostly: see the table
+`refused` of tests/benchmarks/bench_align.py. The middle one, because a word or two may be wrong."""
+JUDGED = 8
+"""Words without which a window is not judged by itself."""
+LEAST_COVERED = 0.4
 LOUD = 0.2
 """A frame is loud above this part of the loudness of the loudest twentieth."""
 QUIET = 8.0
@@ -74,23 +76,30 @@ def _windows(sphinx: Sphinx, pcm: Pcm, names: Sequence[str]) -> Iterator[list[Se
     """What is kept of each window, in order, with the times of the whole. Raises ClipError."""
     at, said = 0, 0
     while said < len(names):
-        rest = len(pcm) - at
-        last = rest <= LAST_WINDOW_S * RATE
-        size = rest if last else round(WINDOW_S * RATE)
-        some = names[said : said + max(1, round(WORDS_PER_S * size / RATE))]
-        whole = last and len(some) == len(names) - said
-        found = (
-            sphinx.align(pcm[at : at + size], some, open_end=not whole) if size >= LEAST_S * RATE else None
-        )
-        if found is None or (last and not whole):
-            raise _unfit(at / RATE)
-        kept, end_s = (found, size / RATE) if whole else _keep(found, size / RATE)
-        phones = [phone for segment in kept if segment.name for phone in segment.phones]
-        if len(phones) >= JUDGED and _mean_fit(phones) < LEAST_FIT:
+        kept, end_s = _window(sphinx, pcm[at:], names[said:])
+        fits = [_fit(segment) for segment in kept if segment.name]
+        if not kept or (len(fits) >= JUDGED and float(np.median(fits)) < LEAST_FIT):
             raise _unfit(at / RATE)
         yield [_later(segment, at / RATE) for segment in kept]
-        said += sum(bool(segment.name) for segment in kept)
+        said += len(fits)
         at += round(end_s * RATE)
+
+
+def _window(sphinx: Sphinx, pcm: Pcm, names: Sequence[str]) -> tuple[list[Segment], float]:
+    """What is kept of the next window, nothing if the words cannot be in it, and where the one after begins.
+
+    `pcm` and `names`: all that is left. A window that ends within a word may be impossible to align: then a
+    shorter one is tried.
+    """
+    if len(pcm) <= LAST_WINDOW_S * RATE:
+        fits = len(pcm) >= LEAST_S * RATE and len(names) <= WORDS_PER_S * len(pcm) / RATE + 1
+        return (sphinx.align(pcm, names) if fits else None) or [], len(pcm) / RATE
+    for low_s, high_s in WINDOWS_S:
+        end = _quietest(pcm, low_s, high_s)
+        found = sphinx.align(pcm[:end], names[: round(WORDS_PER_S * end / RATE)], open_end=True)
+        if found:
+            return _keep(found, end / RATE)
+    return [], 0.0
 
 
 def _keep(found: Sequence[Segment], size_s: float) -> tuple[list[Segment], float]:
@@ -112,13 +121,17 @@ def _later(segment: Segment, by_s: float) -> Segment:
 
 def _cut(pcm: Pcm) -> list[tuple[int, int]]:
     """Pieces [start, end) to be recognised."""
-    low, high = (round(s * RATE) for s in RECOGNISED_S)
     cuts = [0]
-    while len(pcm) - cuts[-1] > high:
-        start = cuts[-1] + low
-        levels = np.convolve(_levels(pcm[start : cuts[-1] + high]), np.ones(20), "valid")
-        cuts.append(start + round((int(np.argmin(levels)) + 10) * FRAME_S * RATE))
+    while len(pcm) - cuts[-1] > RECOGNISED_S[1] * RATE:
+        cuts.append(cuts[-1] + _quietest(pcm[cuts[-1] :], *RECOGNISED_S))
     return list(zip(cuts, [*cuts[1:], len(pcm)], strict=True))
+
+
+def _quietest(pcm: Pcm, low_s: float, high_s: float) -> int:
+    """The middle of the quietest 0.2 s between two times, samples."""
+    levels = _levels(pcm[round(low_s * RATE) : round(high_s * RATE)])
+    middle_s = (int(np.argmin(np.convolve(levels, np.ones(20), "valid"))) + 10) * FRAME_S
+    return round((low_s + middle_s) * RATE)
 
 
 def _levels(pcm: Pcm) -> NDArray[np.float32]:
@@ -160,18 +173,17 @@ def _heard(
     text: str, words: Sequence[Wanted], found: Sequence[Segment], loud: NDArray[np.bool_], length_s: float
 ) -> Heard:
     out: list[HeardWord] = []
-    phones: list[Found] = []
     covered = np.zeros(len(loud), np.bool_)
     coming = iter(words)
     for segment in found:
         if segment.name:
             _pause(out, segment.start_s)
             out.append(_word(next(coming), segment))
-            phones += segment.phones
             covered[round(segment.start_s / FRAME_S) : round(segment.end_s / FRAME_S)] = True
     _pause(out, length_s)
     share = float((covered & loud).sum() / max(1, loud.sum()))
-    return Heard(text, tuple(out), _mean_fit(phones), share)
+    fit = float(np.median([word.fit for word in out if word.text]))
+    return Heard(text, tuple(out), fit, share)
 
 
 def _pause(out: list[HeardWord], until_s: float) -> None:
@@ -188,12 +200,12 @@ def _word(word: Wanted, segment: Segment) -> HeardWord:
     written = word.written
     return HeardWord(
         word.spoken or written.text, segment.start_s, segment.end_s, phones, written.start, written.end,
-        _mean_fit(segment.phones),
+        _fit(segment),
     )  # fmt: skip
 
 
-def _mean_fit(phones: Sequence[Found]) -> float:
-    return float(np.mean([phone.fit for phone in phones]))
+def _fit(word: Segment) -> float:
+    return float(np.mean([phone.fit for phone in word.phones]))
 
 
 def _checked(heard: Heard) -> Heard:

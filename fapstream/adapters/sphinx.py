@@ -13,6 +13,11 @@ from fapstream.tts.cmu import Phones
 
 RATE = 16_000
 FRAME_S = 0.01
+WINDOW_S = 0.032
+"""Of sound for a frame. The model's is 25.6 ms; with all that the transform takes, boundaries are a little
+more exact, and words fit no worse."""
+LATE_S = 0.0025
+"""So much later than they are, on average, boundaries are found in MBROLA's speech."""
 NATS = 1024 * math.log(1.0001)
 """A unit of the scores."""
 PAUSE = "<sil>"
@@ -59,22 +64,26 @@ class Sphinx:
         if not installed():
             raise SpeechUnavailable
         # bestpath looks for a better path in the lattice, and half of all alignments have none after that
-        wide = {"beam": 1e-100, "wbeam": 1e-80, "pbeam": 1e-100}
+        wide = {"wlen": WINDOW_S, "beam": 1e-100, "wbeam": 1e-80, "pbeam": 1e-100}
         self._forced = _decoder(lm=None, bestpath=False, **wide)
         self._free: Any = None
-        self._added: dict[tuple[str, tuple[Phones, ...]], str] = {}
+        self._known: set[tuple[str, tuple[Phones, ...]]] = set()
 
     def name(self, word: str, readings: tuple[Phones, ...]) -> str:
-        """What the dictionary calls a word; one that it lacks is added to it, as its readings have it."""
-        if word and not word.startswith(FILLERS) and self._forced.lookup_word(word):
-            return word
-        key = (word, readings)
-        if key not in self._added:
-            name = f"_{len(self._added)}"
-            for i, phones in enumerate(dict.fromkeys(_plain(reading) for reading in readings), 1):
-                self._forced.add_word(name if i == 1 else f"{name}({i})", phones, False)
-            self._added[key] = name
-        return self._added[key]
+        """What the dictionary calls a word. Readings that it lacks are added to it: of words that it does not
+        know, and weak forms, with which it is sparing.
+        """
+        name = word if word and not word.startswith(FILLERS) else "_".join(("", *readings[0]))
+        if (name, readings) not in self._known:
+            self._known.add((name, readings))
+            there: list[str] = []
+            while phones := self._forced.lookup_word(_variant(name, len(there))):
+                there.append(phones)
+            for phones in dict.fromkeys(_plain(reading) for reading in readings):
+                if phones not in there:
+                    self._forced.add_word(_variant(name, len(there)), phones, False)
+                    there.append(phones)
+        return name
 
     def align(self, pcm: Pcm, names: Sequence[str], open_end: bool = False) -> list[Segment] | None:
         """The words of the dictionary, said one after the other in a piece of sound, with the pauses.
@@ -128,10 +137,17 @@ def _decode(decoder: Any, sound: bytes) -> None:
 
 def _segment(word: Any) -> Segment:
     phones = (
-        Found(p.name, p.start * FRAME_S, (p.start + p.duration) * FRAME_S, NATS * p.score / p.duration)
-        for p in word
+        Found(p.name, _time(p.start), _time(p.start + p.duration), NATS * p.score / p.duration) for p in word
     )
     return Segment(_base(word.name), tuple(phones))
+
+
+def _variant(name: str, index: int) -> str:
+    return f"{name}({index + 1})" if index else name
+
+
+def _time(frame: int) -> float:
+    return max(0.0, round(frame * FRAME_S - LATE_S, 6))
 
 
 def _base(name: str) -> str:
