@@ -35,10 +35,10 @@ LEAST_FIT = -4.4
 JUDGED = 8
 """Words without which a window is not judged by itself."""
 LEAST_COVERED = 0.4
-LOUD = 0.2
-"""A frame is loud above this part of the loudness of the loudest twentieth."""
 QUIET = 8.0
-"""Root mean square of the loudest twentieth of sound in which nobody speaks, of 32768."""
+"""Root mean square of 32768, up to which nobody speaks."""
+LOUD = 0.2
+"""A frame is loud above this part of the loudness of the loudest twentieth of those that are not quiet."""
 RECOGNISED_S = (8.0, 20.0)
 """Sound is cut for recognition at its quietest in this range."""
 
@@ -152,10 +152,10 @@ def _loud(pcm: Pcm) -> NDArray[np.bool_]:
     if len(pcm) < LEAST_S * RATE:
         raise ClipError(f"the sound lasts {len(pcm) / RATE:.2f} s; {LEAST_S} s are the least")
     levels = _levels(pcm)
-    top = float(np.percentile(levels, 95))
-    if top < QUIET:
+    heard = levels[levels > QUIET]
+    if len(heard) * FRAME_S < LEAST_S:
         raise ClipError("there is no speech in the sound: it is silent")
-    return np.asarray(levels > LOUD * top)
+    return np.asarray(levels > LOUD * np.percentile(heard, 95))
 
 
 def _text(names: Sequence[str]) -> tuple[str, list[Wanted]]:

@@ -94,7 +94,7 @@ class Sphinx:
         sound = pcm.tobytes()
         try:
             _decode(self._forced, sound)
-            if self._forced.hyp() is None:
+            if not list(self._forced.seg() or ()):  # hyp() would be None for a pause alone as well
                 return None
             self._forced.set_alignment()
             _decode(self._forced, sound)
