@@ -77,3 +77,9 @@ def test_words_of_the_news_that_cmudict_lacks() -> None:
     assert english().word("houthis") == ("h", "u1", "T", "i0", "z")
     assert english().word("kyiv's")[-2:] == ("v", "z")
     assert english().is_word("covid")
+
+
+def test_a_homograph_has_several_readings() -> None:
+    readings = [" ".join(phones) for phones in english().readings("record")]
+    assert sorted(readings) == ["r E1 k r=0 d", "r I0 k O1 r d"]
+    assert english().readings("rivers") == (english().word("rivers"),)
