@@ -4,8 +4,8 @@ Long sound is aligned in windows: the next words of the transcript, more than th
 that is open after every word; what comes before the longest pause of the window's later part is kept, and the
 next window begins in that pause. So an hour needs the memory of half a minute, and its own.
 
-Recognition is what the model of 2016 gives: of clear sentences like those in newspapers 5 to 20 % of the words
-are wrong, of commands without context nearly all. A transcript is better wherever there is one.
+Recognition is poor: of news sentences in MBROLA's clear speech 5 to 21 % of the words are wrong, of a man's
+short commands (GRID) 90 %. A transcript is better wherever there is one.
 """
 
 from __future__ import annotations

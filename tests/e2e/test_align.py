@@ -74,6 +74,6 @@ def test_the_text_of_another_sentence_is_refused() -> None:
 
 
 def test_recognition() -> None:
-    """Measured: 5 % of the words wrong with us2. People are understood far less well."""
+    """Measured: 5 % of the words wrong with us2. Of a man's commands (GRID) it is 90 %."""
     aligner = Aligner()
     assert rate([(plain(text), heard(aligner, say("us2", text).pcm)) for text in NEWS[:6]]) < 0.2
