@@ -55,6 +55,12 @@ def installed() -> bool:
     return importlib.util.find_spec("soundfile") is not None
 
 
+def sound_rate(path: Path, limit_s: float = LIMIT_S) -> int:
+    """Samples per second of a sound file. Raises as `read_sound` does."""
+    with _opened(path, limit_s) as sound:
+        return int(sound.samplerate)
+
+
 def read_sound(path: Path, rate: int = 16_000, limit_s: float = LIMIT_S) -> Pcm:
     """A WAV, FLAC or OGG file as mono sound, int16 (n,), at `rate` samples per second.
 

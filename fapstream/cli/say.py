@@ -15,6 +15,7 @@ from typing import Any
 from fapstream.adapters.audio import AudioUnavailable, Output
 from fapstream.adapters.pool import VoicePool
 from fapstream.adapters.record import PhoRecorder
+from fapstream.adapters.recorded import RecordedVoice, Recording, read_recording
 from fapstream.adapters.stdin import READ_BYTES, chunks
 from fapstream.adapters.timed import TimedVoice
 from fapstream.cli.arguments import unicode_text
@@ -39,7 +40,9 @@ TURN = 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """TEXT, --lang, --voice, --fps, --wav, --fap, --pho, --marks, --explain, --play, and how it is read."""
-    parser.add_argument("text", type=unicode_text, help="the text; `-` reads it from stdin as it arrives")
+    parser.add_argument(
+        "text", type=unicode_text, nargs="?", help="the text; `-` reads it from stdin as it arrives"
+    )
     parser.add_argument("--lang", choices=LANGUAGES, help="language (default: the voice's, or en)")
     parser.add_argument("--voice", help="voice, see `fapstream voices`")
     parser.add_argument("--fps", type=int, choices=(25, 50), default=25, help="FAP frames a second")
@@ -63,6 +66,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="speak with a program of your own: it is given the planned phones as JSON lines, and answers "
         "with lines as in --timed",
     )  # fmt: skip
+    parser.add_argument(
+        "--speech", type=Path, metavar="F.wav",
+        help="the voice is a recording of English speech (WAV, FLAC or OGG), whose words are found in it; "
+        "there is no TEXT then",
+    )  # fmt: skip
+    parser.add_argument(
+        "--transcript", type=unicode_text, metavar="TEXT",
+        help="what is said in --speech, as written; without it the words are recognised, and many of them "
+        "wrongly unless the speech is clear",
+    )  # fmt: skip
     parser.add_argument("--play", action="store_true", help="play it (the default if no file is asked for)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks and head motion")
     add_manner(parser)
@@ -79,7 +92,13 @@ async def _say(args: argparse.Namespace) -> None:
     pool = VoicePool()
     files = any((args.wav, args.fap, args.pho, args.marks, args.explain))
     try:
-        turn, wished, synthesizer = await _voice(args, pool)
+        text = _text(args)
+        if args.speech:
+            recording = await asyncio.to_thread(read_recording, args.speech, args.transcript)
+            text = recording.heard.text
+            turn, wished, synthesizer = _recording(args, recording)
+        else:
+            turn, wished, synthesizer = await _voice(args, pool)
         async with AsyncExitStack() as stack:
             stack.push_async_callback(synthesizer.aclose)
             sound = _sound(turn, stack) if args.play or not files else None
@@ -87,7 +106,7 @@ async def _say(args: argparse.Namespace) -> None:
             make = Explained if args.explain else Pipeline
             pipeline = make(turn, FrontEnd(turn.lang, wished), args.seed, motion(args))
             talk = Talk(pipeline, synthesizer, (lambda: _heard(sound) / turn.sample_rate) if sound else None)
-            await _run(talk, args.text, sink, sound)
+            await _run(talk, text, sink, sound)
             sink.finish(synthesizer.lines if isinstance(synthesizer, PhoRecorder) else [])
     finally:
         await pool.aclose()
@@ -111,6 +130,28 @@ async def _voice(args: argparse.Namespace, pool: VoicePool) -> tuple[TurnFormat,
     opened = TimedVoice.read(args.timed, lang) if args.timed else TimedVoice.run(args.voice_program, lang)
     voice = await opened
     return TurnFormat(TURN, "timed", lang, voice.sample_rate, args.fps), manner(args, lang, complete), voice
+
+
+def _text(args: argparse.Namespace) -> str:
+    """What is to be said. Raises InputError for options that do not go together."""
+    if args.transcript and not args.speech:
+        raise InputError("--transcript says what is said in --speech, which is missing")
+    if args.speech and (args.text or args.voice or args.pho or args.timed or args.voice_program):
+        raise InputError("--speech is a voice and its text: it takes no TEXT, no other voice and no --pho")
+    if args.speech and args.lang not in (None, "en"):
+        raise InputError("--speech understands English only")
+    if args.text is None and not args.speech:
+        raise InputError("there is nothing to say: TEXT, or --speech with a recording, is missing")
+    return args.text or ""
+
+
+def _recording(args: argparse.Namespace, recording: Recording) -> tuple[TurnFormat, Manner, Synthesizer]:
+    """A turn that is a recording."""
+    if not args.transcript:
+        print(f"recognised: {recording.heard.text}", file=sys.stderr)
+    voice = RecordedVoice(recording)
+    turn = TurnFormat(TURN, "recorded", "en", recording.sample_rate, args.fps)
+    return turn, manner(args, "en"), voice
 
 
 def _sound(turn: TurnFormat, stack: AsyncExitStack) -> Sound:
