@@ -141,8 +141,21 @@ class Speak:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Hear:
+    """A fragment of a turn's sound: somebody speaks himself, and the face follows; the first one opens the turn."""
+
+    type: ClassVar[str] = "hear"
+    turn: int
+    """chosen by the client, ascending"""
+    pcm: NDArray[np.int16]
+    """mono little-endian int16 samples, as they are recorded or faster"""
+    sample_rate: int | None = None
+    """Hz; in the first fragment, and read from there only"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class End:
-    """The turn's text is complete."""
+    """The turn's text or sound is complete."""
 
     type: ClassVar[str] = "end"
     turn: int
@@ -304,13 +317,15 @@ class Begin:
     turn: int
     """the turn"""
     voice: str
-    """voice that speaks it"""
+    """voice that speaks it; empty in a turn of `hear`"""
     lang: str
     """its language"""
     sample_rate: int
     """Hz; the unit of every sample number of the turn"""
     fps: Literal[25, 50]
     """FAP frames a second"""
+    delay: int | None = None
+    """of a turn of `hear`: how many samples later than it came sound can be sent back, as the face needs them"""
     sample: int | None = None
     """to a listener who comes late: where its packets begin; 0 if absent"""
     marks: tuple[Mark, ...] | None = None
@@ -402,7 +417,7 @@ class Error:
     """when it may be tried again"""
 
 
-ClientMessage = Hello | Listen | Speak | End | Interrupt | Splice | Seek | Pause | Continue | Ack | Ping | Bye
+ClientMessage = Hello | Listen | Speak | Hear | End | Interrupt | Splice | Seek | Pause | Continue | Ack | Ping | Bye
 ServerMessage = Pause | Continue | Bye | Ready | Live | Skip | Begin | Packet | Discard | Done | Pong | Error
 Message = ClientMessage | ServerMessage
 
@@ -415,6 +430,7 @@ MESSAGES: dict[str, tuple[type[Message], str, tuple[FieldSpec, ...]]] = {
     "hello": (Hello, "client", (FieldSpec(name="client", type="str", max=200, optional=True), FieldSpec(name="fps", type="int", enum=(25, 50), optional=True), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="token", type="str", max=4096, optional=True), FieldSpec(name="share", type="bool", optional=True), FieldSpec(name="channel", type="str", max=64, optional=True), FieldSpec(name="resume", type="str", max=128, optional=True), FieldSpec(name="received", type="int", min=0, optional=True),)),
     "listen": (Listen, "client", (FieldSpec(name="channel", type="str", max=64), FieldSpec(name="client", type="str", max=200, optional=True), FieldSpec(name="token", type="str", max=4096, optional=True), FieldSpec(name="prefer", type="str", enum=("sound", "face"), optional=True), FieldSpec(name="talk", type="str", max=64, optional=True), FieldSpec(name="turn", type="int", min=1, max=2147483647, optional=True), FieldSpec(name="sample", type="int", min=0, optional=True),)),
     "speak": (Speak, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="text", type="text", max=65536), FieldSpec(name="lang", type="str", max=16, optional=True), FieldSpec(name="voice", type="str", max=64, optional=True), FieldSpec(name="rate", type="int", min=25, max=400, optional=True), FieldSpec(name="pitch", type="int", min=25, max=400, optional=True), FieldSpec(name="volume", type="int", min=0, max=400, optional=True), FieldSpec(name="look_ahead", type="int", min=0, max=1000, optional=True),)),
+    "hear": (Hear, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="pcm", type="i16", max=8192), FieldSpec(name="sample_rate", type="int", min=8000, max=48000, optional=True),)),
     "end": (End, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647),)),
     "interrupt": (Interrupt, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="heard", type="int", min=0, optional=True),)),
     "splice": (Splice, "client", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="char", type="int", min=0), FieldSpec(name="heard", type="int", min=0, optional=True),)),
@@ -427,7 +443,7 @@ MESSAGES: dict[str, tuple[type[Message], str, tuple[FieldSpec, ...]]] = {
     "ready": (Ready, "server", (FieldSpec(name="server", type="str", max=200), FieldSpec(name="session", type="str", max=64), FieldSpec(name="fps", type="int", enum=(25, 50)), FieldSpec(name="faps", type="u8", max=68), FieldSpec(name="voices", type="list", of="voice", max=256), FieldSpec(name="heads", type="list", of="str", max=256), FieldSpec(name="resume", type="str", max=128, optional=True), FieldSpec(name="resumed", type="bool", optional=True), FieldSpec(name="received", type="int", min=0, optional=True), FieldSpec(name="channel", type="str", max=64, optional=True), FieldSpec(name="listen", type="str", max=4096, optional=True),)),
     "live": (Live, "server", (FieldSpec(name="channel", type="str", max=64), FieldSpec(name="on", type="bool"), FieldSpec(name="talk", type="str", max=64, optional=True),)),
     "skip": (Skip, "server", (FieldSpec(name="reason", type="str", enum=("slow", "bus")),)),
-    "begin": (Begin, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="voice", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="fps", type="int", enum=(25, 50)), FieldSpec(name="sample", type="int", min=0, optional=True), FieldSpec(name="marks", type="list", of="mark", max=16, optional=True),)),
+    "begin": (Begin, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="voice", type="str", max=64), FieldSpec(name="lang", type="str", max=16), FieldSpec(name="sample_rate", type="int", min=8000, max=48000), FieldSpec(name="fps", type="int", enum=(25, 50)), FieldSpec(name="delay", type="int", min=0, optional=True), FieldSpec(name="sample", type="int", min=0, optional=True), FieldSpec(name="marks", type="list", of="mark", max=16, optional=True),)),
     "packet": (Packet, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="pcm", type="i16", max=8192, optional=True), FieldSpec(name="samples", type="int", min=0, max=8192, optional=True), FieldSpec(name="key", type="bool", optional=True), FieldSpec(name="mask", type="u8", max=144, optional=True), FieldSpec(name="faps", type="i16", max=1024, optional=True), FieldSpec(name="wide", type="i32", max=1024, optional=True), FieldSpec(name="marks", type="list", of="mark", max=512, optional=True), FieldSpec(name="hold", type="bool", optional=True),)),
     "discard": (Discard, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="sample", type="int", min=0), FieldSpec(name="char", type="int", min=0),)),
     "done": (Done, "server", (FieldSpec(name="turn", type="int", min=1, max=2147483647), FieldSpec(name="reason", type="str", enum=("end", "interrupted", "failed")), FieldSpec(name="samples", type="int", min=0), FieldSpec(name="heard", type="int", min=0, optional=True), FieldSpec(name="char", type="int", min=0, optional=True),)),
@@ -446,6 +462,7 @@ SESSION_CLIENT: dict[str, dict[str, str]] = {
     },
     "open": {
         "speak": "open",
+        "hear": "open",
         "end": "open",
         "interrupt": "open",
         "splice": "open",
@@ -500,7 +517,8 @@ SESSION_SERVER: dict[str, dict[str, str]] = {
 
 TURN_CLIENT: dict[str, dict[str, str]] = {
     "new": {
-        "speak": "feeding"
+        "speak": "feeding",
+        "hear": "hearing"
     },
     "feeding": {
         "speak": "feeding",
@@ -512,6 +530,20 @@ TURN_CLIENT: dict[str, dict[str, str]] = {
         "continue": "feeding",
         "ack": "feeding"
     },
+    "hearing": {
+        "hear": "hearing",
+        "end": "heard",
+        "interrupt": "stopping",
+        "pause": "hearing",
+        "continue": "hearing",
+        "ack": "hearing"
+    },
+    "heard": {
+        "interrupt": "stopping",
+        "pause": "heard",
+        "continue": "heard",
+        "ack": "heard"
+    },
     "ended": {
         "interrupt": "stopping",
         "splice": "feeding",
@@ -522,6 +554,7 @@ TURN_CLIENT: dict[str, dict[str, str]] = {
     },
     "stopping": {
         "speak": "stopping",
+        "hear": "stopping",
         "end": "stopping",
         "interrupt": "stopping",
         "splice": "stopping",
@@ -535,6 +568,7 @@ TURN_CLIENT: dict[str, dict[str, str]] = {
     },
     "over": {
         "speak": "over",
+        "hear": "over",
         "end": "over",
         "interrupt": "over",
         "splice": "over",
@@ -555,6 +589,18 @@ TURN_SERVER: dict[str, dict[str, str]] = {
         "discard": "feeding",
         "done": "over",
         "error": "feeding"
+    },
+    "hearing": {
+        "begin": "hearing",
+        "packet": "hearing",
+        "done": "over",
+        "error": "hearing"
+    },
+    "heard": {
+        "begin": "heard",
+        "packet": "heard",
+        "done": "over",
+        "error": "heard"
     },
     "ended": {
         "begin": "ended",
@@ -589,6 +635,7 @@ ERRORS: dict[str, bool] = {
     "unknown_turn": False,
     "too_many_turns": False,
     "text_too_long": False,
+    "sound_too_long": False,
     "unknown_voice": False,
     "unknown_language": False,
     "voice_unavailable": False,

@@ -45,11 +45,11 @@ class EndOfText:
     text: str = ""
 
 
-ForTurn = g.Speak | g.End | g.Interrupt | g.Splice | g.Seek | g.Pause | g.Continue | g.Ack
+ForTurn = g.Speak | g.Hear | g.End | g.Interrupt | g.Splice | g.Seek | g.Pause | g.Continue | g.Ack
 OfTurn = g.Begin | g.Packet | g.Discard | g.Done | g.Pause | g.Continue
 
 ClientEvent = (
-    g.Hello | g.Listen | Text | EndOfText | g.Interrupt | g.Splice | g.Seek | g.Pause | g.Continue
+    g.Hello | g.Listen | Text | EndOfText | g.Hear | g.Interrupt | g.Splice | g.Seek | g.Pause | g.Continue
     | g.Ack | g.Ping | g.Bye
 )  # fmt: skip
 ServerEvent = (
@@ -143,8 +143,12 @@ class ServerSession(_Session):
     def _receive_turn(self, message: ForTurn) -> list[ClientEvent]:
         number = message.turn
         opening = number > self.last_turn
-        if opening and not isinstance(message, g.Speak):
+        if opening and not isinstance(message, g.Speak | g.Hear):
             raise RemoteProtocolError(f"there is no turn {number}", "unknown_turn", False, number)
+        if opening and isinstance(message, g.Hear) and message.sample_rate is None:
+            raise RemoteProtocolError(
+                "the first `hear` of a turn has a sample_rate", "bad_message", False, number
+            )
         try:
             if not self._advance_turn("client", number, message.type):
                 return [message] if isinstance(message, g.Ack) else []

@@ -119,7 +119,18 @@ export interface Speak {
   look_ahead?: number;
 }
 
-/** The turn's text is complete. */
+/** A fragment of a turn's sound: somebody speaks himself, and the face follows; the first one opens the turn. */
+export interface Hear {
+  type: "hear";
+  /** chosen by the client, ascending */
+  turn: number;
+  /** mono little-endian int16 samples, as they are recorded or faster */
+  pcm: Int16Array;
+  /** Hz; in the first fragment, and read from there only */
+  sample_rate?: number;
+}
+
+/** The turn's text or sound is complete. */
 export interface End {
   type: "end";
   /** the turn */
@@ -256,7 +267,7 @@ export interface Begin {
   type: "begin";
   /** the turn */
   turn: number;
-  /** voice that speaks it */
+  /** voice that speaks it; empty in a turn of `hear` */
   voice: string;
   /** its language */
   lang: string;
@@ -264,6 +275,8 @@ export interface Begin {
   sample_rate: number;
   /** FAP frames a second */
   fps: 25 | 50;
+  /** of a turn of `hear`: how many samples later than it came sound can be sent back, as the face needs them */
+  delay?: number;
   /** to a listener who comes late: where its packets begin; 0 if absent */
   sample?: number;
   /** to a listener who comes late: the word and the caption in force there */
@@ -345,7 +358,7 @@ export interface Error {
   retry_ms?: number;
 }
 
-export type ClientMessage = Hello | Listen | Speak | End | Interrupt | Splice | Seek | Pause | Continue | Ack | Ping | Bye;
+export type ClientMessage = Hello | Listen | Speak | Hear | End | Interrupt | Splice | Seek | Pause | Continue | Ack | Ping | Bye;
 export type ServerMessage = Pause | Continue | Bye | Ready | Live | Skip | Begin | Packet | Discard | Done | Pong | Error;
 export type Message = ClientMessage | ServerMessage;
 
@@ -586,6 +599,29 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     "type": "int",
     "min": 0,
     "max": 1000,
+    "optional": true
+   }
+  ]
+ },
+ "hear": {
+  "from": "client",
+  "fields": [
+   {
+    "name": "turn",
+    "type": "int",
+    "min": 1,
+    "max": 2147483647
+   },
+   {
+    "name": "pcm",
+    "type": "i16",
+    "max": 8192
+   },
+   {
+    "name": "sample_rate",
+    "type": "int",
+    "min": 8000,
+    "max": 48000,
     "optional": true
    }
   ]
@@ -891,6 +927,12 @@ export const MESSAGES: Record<string, { from: string; fields: FieldSpec[] }> = {
     ]
    },
    {
+    "name": "delay",
+    "type": "int",
+    "min": 0,
+    "optional": true
+   },
+   {
     "name": "sample",
     "type": "int",
     "min": 0,
@@ -1090,6 +1132,7 @@ export const SESSION_CLIENT: Record<string, Record<string, string>> = {
  },
  "open": {
   "speak": "open",
+  "hear": "open",
   "end": "open",
   "interrupt": "open",
   "splice": "open",
@@ -1144,7 +1187,8 @@ export const SESSION_SERVER: Record<string, Record<string, string>> = {
 
 export const TURN_CLIENT: Record<string, Record<string, string>> = {
  "new": {
-  "speak": "feeding"
+  "speak": "feeding",
+  "hear": "hearing"
  },
  "feeding": {
   "speak": "feeding",
@@ -1156,6 +1200,20 @@ export const TURN_CLIENT: Record<string, Record<string, string>> = {
   "continue": "feeding",
   "ack": "feeding"
  },
+ "hearing": {
+  "hear": "hearing",
+  "end": "heard",
+  "interrupt": "stopping",
+  "pause": "hearing",
+  "continue": "hearing",
+  "ack": "hearing"
+ },
+ "heard": {
+  "interrupt": "stopping",
+  "pause": "heard",
+  "continue": "heard",
+  "ack": "heard"
+ },
  "ended": {
   "interrupt": "stopping",
   "splice": "feeding",
@@ -1166,6 +1224,7 @@ export const TURN_CLIENT: Record<string, Record<string, string>> = {
  },
  "stopping": {
   "speak": "stopping",
+  "hear": "stopping",
   "end": "stopping",
   "interrupt": "stopping",
   "splice": "stopping",
@@ -1179,6 +1238,7 @@ export const TURN_CLIENT: Record<string, Record<string, string>> = {
  },
  "over": {
   "speak": "over",
+  "hear": "over",
   "end": "over",
   "interrupt": "over",
   "splice": "over",
@@ -1199,6 +1259,18 @@ export const TURN_SERVER: Record<string, Record<string, string>> = {
   "discard": "feeding",
   "done": "over",
   "error": "feeding"
+ },
+ "hearing": {
+  "begin": "hearing",
+  "packet": "hearing",
+  "done": "over",
+  "error": "hearing"
+ },
+ "heard": {
+  "begin": "heard",
+  "packet": "heard",
+  "done": "over",
+  "error": "heard"
  },
  "ended": {
   "begin": "ended",
@@ -1233,6 +1305,7 @@ export const ERRORS: Record<string, boolean> = {
  "unknown_turn": false,
  "too_many_turns": false,
  "text_too_long": false,
+ "sound_too_long": false,
  "unknown_voice": false,
  "unknown_language": false,
  "voice_unavailable": false,
