@@ -33,6 +33,20 @@ class TextTooLong(InputError):
         self.limit = limit
 
 
+class SoundTooLong(InputError):
+    """More sound than the limit waits to be shown; nothing accepted before is lost."""
+
+    code = "sound_too_long"
+
+    def __init__(self, pending_s: float, limit_s: float) -> None:
+        super().__init__(
+            f"{pending_s:.0f} s of sound would be waiting to be shown; the limit is {limit_s:.0f} s. "
+            "Wait until some has been shown and send the fragment again."
+        )
+        self.pending_s = pending_s
+        self.limit_s = limit_s
+
+
 class PhotoError(InputError):
     """A photo cannot be used: no picture, too large, no face in it."""
 

@@ -6,11 +6,13 @@ import argparse
 import os
 import sys
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
+from fapstream.adapters.sound_file import read_sound
 from fapstream.errors import FapstreamError
 from fapstream.learn.articulatory import PAPER_EXPLAINED
 from fapstream.learn.clips import Folder
@@ -18,6 +20,7 @@ from fapstream.learn.hmm import Recipe
 from fapstream.learn.ohman import OhmanRecipe
 from fapstream.learn.training import DEVELOPMENT, TRAIN, Trained, train
 from fapstream.motion.speaker import FILE, pack, unpack
+from fapstream.records import Pcm
 
 DEFAULT_OUT = Path(__file__).parents[1] / "fapstream/motion/data" / FILE
 MOST_BYTES = 1_000_000
@@ -40,17 +43,23 @@ def main() -> int:
         steps = (
             sum(len(folder.part(part)) for part in (TRAIN, DEVELOPMENT))
             + Recipe().steps
-            + 2
+            + 3
             + OhmanRecipe().rounds
         )
         with tqdm(total=steps, unit="", dynamic_ncols=True) as bar:
-            trained = train(folder, args.made, lambda what: _tell(bar, what))
+            trained = train(folder, args.made, lambda what: _tell(bar, what), sound=_sound(args.data))
         write(trained, args.out)
     except FapstreamError as e:
         print(f"train_motion: {e}", file=sys.stderr)
         return 1
     report(trained, args.out)
     return 0
+
+
+def _sound(data: Path) -> Callable[[str], Pcm] | None:
+    """What reads the sound of a clip, if there is any."""
+    flac = data / "flac"
+    return (lambda name: read_sound(flac / f"{name}.flac")) if flac.is_dir() else None
 
 
 def _tell(bar: tqdm[None], what: str) -> None:

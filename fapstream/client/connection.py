@@ -1,4 +1,4 @@
-"""The verbs of the web client for programs: connect, speak, append, end, interrupt."""
+"""The verbs of the web client for programs: connect, speak, append, hear, end, interrupt."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from typing import Literal, TypedDict, Unpack
 
+import numpy as np
+from numpy.typing import NDArray
 from websockets.exceptions import ConnectionClosed
 
 from fapstream import __version__
@@ -18,6 +20,8 @@ from fapstream.protocol.session import ServerEvent
 from fapstream.records import Packet
 
 OPEN_DEADLINE_S = 10.0
+MAX_PCM = 8192
+"""Samples of one `hear`."""
 
 TurnEvent = g.Begin | Packet | g.Discard | g.Done
 
@@ -123,6 +127,16 @@ class Turn:
         self._events.put_nowait(event)
 
 
+class OwnTurn(Turn):
+    """A turn that the caller speaks himself: `feed` it with sound, and packets bring that back with a face.
+    There is nothing to append to, to splice or to seek in."""
+
+    async def feed(self, pcm: NDArray[np.int16]) -> None:
+        """More sound, int16 (n,), at the rate with which the turn was opened."""
+        for at in range(0, len(pcm), MAX_PCM):
+            await self._talker.send(g.Hear(turn=self.number, pcm=pcm[at : at + MAX_PCM]))
+
+
 class Talker:
     """A session with a server. Turns are spoken in the order in which they are opened. When the connection
     is lost it goes on over another one, and nobody notices.
@@ -175,6 +189,15 @@ class Talker:
         """Open a turn whose text is complete."""
         turn = await self.speak(text, lang=lang, voice=voice, **manner)
         await turn.end()
+        return turn
+
+    async def hear(self, sample_rate: int) -> OwnTurn:
+        """Open a turn of sound: the head says what it is fed with, `begin.delay` samples later."""
+        self._last += 1
+        turn = OwnTurn(self, self._last)
+        self._turns[self._last] = turn
+        nothing = np.zeros(0, np.int16)
+        await self.send(g.Hear(turn=turn.number, pcm=nothing, sample_rate=sample_rate))
         return turn
 
     async def acknowledge(self, turn: Turn, sample: int, queue: int = 0) -> None:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -81,7 +82,7 @@ class Folder:
             self._xyz, self._frames = file["xyz64"], file["nframes"]
             self._ids = tuple(int(i) for i in file["ids"])
             self._row = {str(name): row for row, name in enumerate(file["names"])}
-        except (OSError, ValueError, KeyError) as e:
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as e:
             raise ClipError(f"{path / 'landmarks.npz'}: not landmarks of clips ({e})") from e
 
     def part(self, name: str) -> tuple[str, ...]:

@@ -20,6 +20,8 @@ OUTER_EYES_MM = 90.0
 CROWN, BASE = 10, 2
 """The middle of the hairline and the base of the nose: one is upright over the other."""
 PARTS = ("bone", "base", "eyes", "brows", "jaw", "lips", "face")
+LEAST_SIZE = 8.0
+"""Pixels: no face is smaller."""
 SETTLED = 1e-4
 """The mean shape of the bones is found when it moves by less, as a part of its size."""
 
@@ -94,6 +96,8 @@ def still(landmarks: Landmarks) -> Floats:
     seen = np.isfinite(points).all(axis=(1, 2))
     if not seen.any():
         raise ClipError("there is no face in the clip")
+    if np.ptp(bone[seen], axis=1).max() < LEAST_SIZE:
+        raise ClipError("the points lie in one place: they are no face")
     mean = _mean_shape(bone[seen])
     upright = points.copy()
     upright[seen] = _move(points[seen], _similarities(bone[seen], mean))

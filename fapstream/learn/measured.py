@@ -104,7 +104,7 @@ def feature_points(points: Floats, ids: tuple[int, ...], names: tuple[str, ...])
 def _resampled(moved: Floats, seen: NDArray[np.bool_], fps: float) -> tuple[Floats, NDArray[np.bool_]]:
     """Tracks (n, k, 3) at RATE, smoothed, and where they are known."""
     frames = np.arange(len(moved))
-    at = np.arange(round((len(moved) - 1) / fps * RATE) + 1) / RATE * fps
+    at = np.arange(int((len(moved) - 1) / fps * RATE + 1e-6) + 1) / RATE * fps
     bridged = CubicSpline(frames[seen], moved[seen])(np.clip(frames, *frames[seen][[0, -1]]))
     smooth = savgol_filter(bridged, SMOOTH_FRAMES, SMOOTH_ORDER, axis=0)
     before = np.maximum(np.searchsorted(frames[seen], at, side="right") - 1, 0)

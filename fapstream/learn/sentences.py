@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fapstream.learn.clips import Clip, WordHeard
 from fapstream.learn.measured import RATE, Measured
 from fapstream.motion.units import SIL, unit
-from fapstream.tts import FrontEnd
+from fapstream.tts import FrontEnd, phone_set
 
 Floats = NDArray[np.float64]
 
@@ -89,7 +89,7 @@ def stresses_of(words: Sequence[WordHeard]) -> list[list[bool]]:
     spoken: dict[int, list[int]] = {}
     for utterance in (*front_end.feed(f"{text}."), *front_end.end()):
         for phone in utterance.phones:
-            if phone.word >= 0 and phone.name[0] in _VOWELS:
+            if phone.word >= 0 and phone_set("en")[phone.name].kind == "vowel":
                 spoken.setdefault(utterance.words[phone.word].start, []).append(phone.stress)
     found, at = [], 0
     for word in words:
@@ -101,9 +101,6 @@ def stresses_of(words: Sequence[WordHeard]) -> list[list[bool]]:
         found.append([vowel and next(given) > 0 for vowel in vowels])
         at += 0 if word.silent else len(word.text) + 1
     return found
-
-
-_VOWELS = "A{VOaU@AErEIiu"
 
 
 def usable(measured: Measured, sentence: Sentence) -> bool:

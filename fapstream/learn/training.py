@@ -13,21 +13,26 @@ from fapstream.errors import ClipError
 from fapstream.head import Fapu
 from fapstream.learn.articulatory import ArticulatoryParameters
 from fapstream.learn.clips import Clip, Folder
+from fapstream.learn.hearing import HearingFit, paired
 from fapstream.learn.hmm import HmmTrainer, Recipe
 from fapstream.learn.measured import RATE, Measured, measure_clip
 from fapstream.learn.ohman import OhmanFit, OhmanRecipe
 from fapstream.learn.sentences import Sentence, sentence, usable
+from fapstream.motion.hearing import Heard
 from fapstream.motion.hmm import HmmMouth
 from fapstream.motion.learned import MouthModel
 from fapstream.motion.speaker import Speaker
 from fapstream.motion.spline import STEP_S, Smoothness
 from fapstream.motion.trees import TiedStates
 from fapstream.motion.units import TimedUnit
+from fapstream.records import Pcm
 
 Floats = NDArray[np.float64]
 
 SPEECH_S = 0.15
 """What a face does so long before and after speech is learned from."""
+HEARD_S = 0.3
+"""The same for hearing, which has to know silence as well."""
 WIDTHS_S = (0.04, 0.06, 0.08, 0.1, 0.12)
 WEIGHTS = (0.03, 0.1, 0.3, 1.0, 3.0)
 """What smoothness is chosen from."""
@@ -86,8 +91,15 @@ def speech(filmed: Filmed, margin_s: float = SPEECH_S) -> slice:
     return slice(max(0, round((begin - margin_s) * RATE)), min(last, round((end + margin_s) * RATE) + 1))
 
 
-def train(folder: Folder, made: str, tell: Tell = lambda _: None, recipe: Recipe | None = None) -> Trained:
-    """Learn a speaker; `made` goes into the file. Raises ClipError."""
+def train(
+    folder: Folder,
+    made: str,
+    tell: Tell = lambda _: None,
+    recipe: Recipe | None = None,
+    sound: Callable[[str], Pcm] | None = None,
+) -> Trained:
+    """Learn a speaker; `made` goes into the file. `sound`: that of a clip, at 16 kHz; without it the speaker
+    cannot hear. Raises ClipError."""
     left_out: dict[str, str] = {}
     filmed = film(folder, TRAIN, left_out, tell)
     if len(filmed) < LEAST_CLIPS:
@@ -101,8 +113,19 @@ def train(folder: Folder, made: str, tell: Tell = lambda _: None, recipe: Recipe
         states, sentences(film(folder, DEVELOPMENT, left_out, tell), parameters, False, left_out), tell
     )
     ohman = OhmanFit(OhmanRecipe(), tell).fit(sentences(filmed, parameters, False, left_out)).model_
-    speaker = Speaker(parameters.articulation_, states, smoothness, ohman, made)
+    heard = _hearing(filmed, parameters, sound, tell) if sound else None
+    speaker = Speaker(parameters.articulation_, states, smoothness, ohman, made, heard)
     return Trained(speaker, parameters.pca_.explained_, parameters.components(9), left_out)
+
+
+def _hearing(
+    filmed: Sequence[Filmed], parameters: ArticulatoryParameters, sound: Callable[[str], Pcm], tell: Tell
+) -> Heard:
+    tell("hearing")
+    whole = [f for f in filmed if f.measured.seen.all()]
+    sounds = [sound(f.clip.name) for f in whole]
+    made = [parameters.transform(f.measured.points) for f in whole]
+    return HearingFit().fit(*paired(sounds, made, [speech(f, HEARD_S) for f in whole])).heard_
 
 
 def sentences(

@@ -175,7 +175,7 @@ def _shows(unit: TimedUnit, t: Floats, rate: int) -> bool:
 
 def stand_in(name: str, known: dict[str, int]) -> str:
     """The name itself, or what stands in for it where people were not heard to say it: the same vowel with or
-    without stress, or what data/stand_ins.tsv has. Raises DataError."""
+    without stress, what data/stand_ins.tsv has, or what has most in common with it. Raises DataError."""
     phone, _, part = name.partition(":")
     base = phone.rstrip("01")
     bases = [base, *_stand_ins().get(base, ())]
@@ -184,7 +184,17 @@ def stand_in(name: str, known: dict[str, int]) -> str:
             for suffix in (f":{part}" if part else "", ":1", ""):
                 if (found := f"{candidate}{digit}{suffix}") in known:
                     return found
-    raise DataError("stand_ins.tsv", None, f"nothing that the model knows stands in for {name}")
+    like = max(known, key=lambda other: _alike(phone, other), default=None)
+    if like is None or not _alike(phone, like):
+        raise DataError("stand_ins.tsv", None, f"nothing that the model knows stands in for {name}")
+    return like
+
+
+def _alike(unit: str, other: str) -> int:
+    """How much two units have in common; vowels and consonants nothing."""
+    one, two = (features().get(u.partition(":")[0], frozenset()) for u in (unit, other))
+    kind = {"vowel", "consonant"}
+    return len(one & two) if one & two & kind else 0
 
 
 def _stand_ins() -> dict[str, tuple[str, ...]]:

@@ -3,7 +3,8 @@
 A NumPy archive of arrays. `version`; `names`, `mean`, `basis` (articulation.py); `asked` (the features that
 the trees' questions are about), `tree_K`, `state_mean`, `state_var`, `state_stay`, `smoothness` (trees.py,
 spline.py); `ohman_targets`, `ohman_values`, `ohman_consonants`, `ohman_weight`, `ohman_target`, `ohman_curve`
-(ohman.py); `made`: how and of what.
+(ohman.py); where there was sound, `heard_mean`, `heard_scale`, `heard_hidden`, `heard_out` (hearing.py);
+`made`: how and of what.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from fapstream.data import read_bytes
 from fapstream.errors import DataError
 from fapstream.motion.articulation import Articulation
+from fapstream.motion.hearing import Heard, HearingMouth
 from fapstream.motion.hmm import HmmMouth
 from fapstream.motion.learned import MouthModel
 from fapstream.motion.ohman import Ohman, OhmanMouth
@@ -28,17 +30,20 @@ from fapstream.motion.trees import N_TREES, TiedStates, Tree
 
 FILE = "speaker.npz"
 VERSION = 1
+HEARD = ("mean", "scale", "hidden", "out")
 
 
 @dataclass(frozen=True, slots=True)
 class Speaker:
-    """Everything that was learned of one person. `made`: how and of what, in words."""
+    """Everything that was learned of one person. `made`: how and of what, in words. `heard` is None if
+    there was no sound."""
 
     articulation: Articulation
     states: TiedStates
     smoothness: Smoothness
     ohman: Ohman
     made: str
+    heard: Heard | None = None
 
     def mouth(self, model: Literal["ohman", "hmm"]) -> MouthModel:
         """The model of that name."""
@@ -49,6 +54,14 @@ class Speaker:
 def speaker() -> Speaker:
     """The one that the package speaks with. Raises DataError."""
     return unpack(read_bytes("motion", FILE), FILE)
+
+
+def hearing_mouth(rate: int, gain: float = 1.0) -> HearingMouth:
+    """A mouth that says what it hears, sound at `rate`. Raises DataError."""
+    person = speaker()
+    if person.heard is None:
+        raise DataError(FILE, None, "was made without sound: it cannot hear")
+    return HearingMouth(rate, person.heard, person.articulation, gain)
 
 
 def pack(person: Speaker) -> bytes:
@@ -69,6 +82,8 @@ def pack(person: Speaker) -> bytes:
         "ohman_values": person.ohman.values, "ohman_weight": person.ohman.weight,
         "ohman_target": person.ohman.target, "ohman_curve": person.ohman.curve,
     }  # fmt: skip
+    if person.heard is not None:
+        numbers |= {f"heard_{name}": getattr(person.heard, name) for name in HEARD}
     file = io.BytesIO()
     arrays |= {name: value.astype(np.float32) for name, value in numbers.items()}
     np.savez(file, **arrays)
@@ -105,4 +120,5 @@ def _read(file: dict[str, Any]) -> Speaker:
             numbers("ohman_target"), numbers("ohman_curve"),
         ),
         str(file["made"]),
+        Heard(*(numbers(f"heard_{name}") for name in HEARD)) if "heard_mean" in file else None,
     )  # fmt: skip

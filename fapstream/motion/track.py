@@ -15,6 +15,7 @@ from fapstream.motion.hermite import Values
 from fapstream.motion.idle import Idle, IdleLife, Look
 from fapstream.motion.mixer import Streams, mix
 from fapstream.motion.mouths import Motion, mouth_track
+from fapstream.motion.speech import MouthTrack
 from fapstream.records import N_FAPS, FapFrame, TimedPhone
 
 BLOCK = 32
@@ -36,8 +37,15 @@ class FaceTrack:
     """
 
     def __init__(
-        self, lang: str, sample_rate: int, fps: int, seed: int = 0, motion: Motion | None = None
+        self,
+        lang: str,
+        sample_rate: int,
+        fps: int,
+        seed: int = 0,
+        motion: Motion | None = None,
+        mouth: MouthTrack | None = None,
     ) -> None:
+        """`motion`: how the mouth moves; or the `mouth` itself, and then the track cannot be cut."""
         self._motion = motion or Motion()
         self._lang = lang
         self._sample_rate = sample_rate
@@ -47,7 +55,7 @@ class FaceTrack:
         self._frame = 0
         self._shown: deque[FapFrame] = deque(maxlen=round(BACK_S * fps))
         self._made: deque[FapFrame] = deque()
-        self._speech = mouth_track(self._motion, lang, sample_rate, fps)
+        self._speech = mouth or mouth_track(self._motion, lang, sample_rate, fps)
         self._feeling = Feeling(sample_rate)
         self._gestures = Gestures(seed, sample_rate)
         self._end = 0

@@ -15,11 +15,11 @@ from fapstream.errors import FapstreamError, RemoteProtocolError
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import encode
 from fapstream.protocol.session import ServerSession
-from fapstream.server.conversation import Conversation, ready
+from fapstream.server.conversation import Conversation
 from fapstream.server.link import Link
 from fapstream.server.listener import Listening
 from fapstream.server.lobby import Lobby
-from fapstream.server.service import Service
+from fapstream.server.service import Service, ready
 
 log = logging.getLogger("fapstream.server")
 

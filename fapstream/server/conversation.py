@@ -11,19 +11,21 @@ from typing import Literal, Protocol
 
 from websockets.exceptions import ConnectionClosed
 
-from fapstream import __version__
-from fapstream.errors import FapstreamError, LocalProtocolError, RemoteProtocolError, TextTooLong
-from fapstream.pipeline import Pipeline
+from fapstream.errors import (
+    FapstreamError,
+    LocalProtocolError,
+    RemoteProtocolError,
+    SoundTooLong,
+    TextTooLong,
+)
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import encode
-from fapstream.protocol.session import FAP_NUMBERS, ClientEvent, EndOfText, ServerSession, Text
-from fapstream.records import Packet, TurnFormat
+from fapstream.protocol.session import ClientEvent, EndOfText, ServerSession, Text
+from fapstream.records import Packet
 from fapstream.server.link import Link, drained
-from fapstream.server.service import Service
-from fapstream.server.turn import TooManyTurns, Turn, manner_of
+from fapstream.server.service import Service, ready
+from fapstream.server.turn import HeardTurn, SpokenTurn, TooManyTurns, Turn
 from fapstream.stream.pacer import GROUP_S, LEAD_S, SHARED_LEAD_S, Pacer
-from fapstream.talk import Talk
-from fapstream.tts import FrontEnd
 
 log = logging.getLogger("fapstream.server")
 
@@ -135,12 +137,14 @@ class Conversation:
                 await self._text(event)
             case EndOfText():
                 await self._end(event)
+            case g.Hear():
+                await self._hear(event)
             case g.Ping():
                 await self.send(g.Pong(id=event.id, received=self.session.received))
             case g.Ack():
                 self._acknowledge(event)
             case g.Splice() | g.Seek():
-                if turn := self._turns.get(event.turn):
+                if isinstance(turn := self._turns.get(event.turn), SpokenTurn):
                     await self._revise(turn, event)
             case g.Interrupt() | g.Pause() | g.Continue():
                 if turn := self._turns.get(event.turn):
@@ -151,8 +155,8 @@ class Conversation:
     async def _text(self, event: Text) -> None:
         try:
             if event.opening:
-                self._open(event.opening)
-            if turn := self._turns.get(event.turn):
+                self._open(self._spoken(event.opening))
+            if isinstance(turn := self._turns.get(event.turn), SpokenTurn):
                 turn.feed(event.text)
         except TextTooLong as e:
             await self._refuse(event.turn, e)
@@ -160,28 +164,44 @@ class Conversation:
             await self._refuse(event.turn, e)
             await self.send(g.Done(turn=event.turn, reason="failed", samples=0))
 
+    async def _hear(self, event: g.Hear) -> None:
+        try:
+            if event.turn not in self._turns:
+                lang = self._hello.lang or self._service.lang
+                self._open(HeardTurn(event, self._service, self._hello.fps or 25, lang))
+            if isinstance(turn := self._turns[event.turn], HeardTurn):
+                turn.feed(event.pcm)
+        except TooManyTurns as e:
+            await self._refuse(event.turn, e)
+            await self.send(g.Done(turn=event.turn, reason="failed", samples=0))
+        except SoundTooLong as e:
+            await self._refuse(event.turn, e)
+
     async def _end(self, event: EndOfText) -> None:
         if not (turn := self._turns.get(event.turn)):
             return
         try:
-            if event.text:
+            if event.text and isinstance(turn, SpokenTurn):
                 turn.feed(event.text)
         except TextTooLong as e:
             await self._refuse(event.turn, e)
         turn.end()
 
-    def _open(self, opening: g.Speak) -> None:
-        """Raises UnknownVoice, UnknownLanguage, VoiceUnavailable, TooManyTurns."""
+    def _open(self, turn: Turn) -> None:
+        """Raises TooManyTurns."""
         if len(self._turns) >= g.MAX_PENDING_TURNS:
             raise TooManyTurns(len(self._turns))
+        self._turns[turn.number] = turn
+        self._queue.put_nowait(turn)
+
+    def _spoken(self, opening: g.Speak) -> SpokenTurn:
+        """Raises UnknownVoice, UnknownLanguage, VoiceUnavailable."""
         service, hello = self._service, self._hello
         lang = opening.lang or hello.lang
         name = opening.voice or (None if opening.lang else hello.voice)
         if name is None and lang is None:
             name, lang = service.voice, service.lang
-        turn = Turn(opening, service.voices.find(name, lang), service.clock.now())
-        self._turns[turn.number] = turn
-        self._queue.put_nowait(turn)
+        return SpokenTurn(opening, service.voices.find(name, lang), service.clock.now())
 
     def _acknowledge(self, ack: g.Ack) -> None:
         if ack.received is not None:
@@ -207,7 +227,7 @@ class Conversation:
             turn.go_on(now)
             self._relay("continue", encode(event))
 
-    async def _revise(self, turn: Turn, event: g.Splice | g.Seek) -> None:
+    async def _revise(self, turn: SpokenTurn, event: g.Splice | g.Seek) -> None:
         now = self._service.clock.now()
         if isinstance(event, g.Splice):
             cut = turn.splice(event.char, event.heard, now)
@@ -253,36 +273,27 @@ class Conversation:
             free_since = self._service.clock.now()
 
     async def _speak(self, turn: Turn) -> None:
-        voice, clock = turn.voice, self._service.clock
-        form = TurnFormat(turn.number, voice.name, voice.lang, voice.sample_rate, self._hello.fps or 25)
-        manner = manner_of(turn.opening, self._service, voice.lang).of(voice)
-        synthesizer = await self._service.voices.acquire(voice)
+        clock = self._service.clock
         shared = self.audience is not None
+        lead, group = (SHARED_LEAD_S, 0.0) if shared else (LEAD_S - GROUP_S, GROUP_S)
+
+        def heard_s() -> float:
+            return turn.pacer.heard(clock.now()) / turn.sample_rate if turn.pacer else 0.0
+
+        begin = await turn.open(self._service, self._hello.fps or 25, heard_s)
         now = clock.now()
         follows = self._heard_at if self._heard_at > now else None
-        lead, group = (SHARED_LEAD_S, 0.0) if shared else (LEAD_S - GROUP_S, GROUP_S)
-        pacer = turn.pacer = Pacer(voice.sample_rate, lead, group, follows)
-        pipeline = Pipeline(form, FrontEnd(voice.lang, manner), turn.number, self._service.motion)
-        talk = Talk(
-            pipeline,
-            synthesizer,
-            lambda: pacer.heard(clock.now()) / voice.sample_rate,
-            lambda: self._service.voices.acquire(voice),
-        )
-        turn.hand_over(talk)
+        turn.pacer = Pacer(turn.sample_rate, lead, group, follows)
         try:
-            await self.send(
-                g.Begin(turn=form.turn, voice=voice.name, lang=voice.lang,
-                        sample_rate=form.sample_rate, fps=form.fps)
-            )  # fmt: skip
+            await self.send(begin)
             cuts = -1
             while cuts != len(turn.cuts):  # after its last packet a turn may still be revised
                 cuts = len(turn.cuts)
-                async with aclosing(talk.packets()) as packets:
+                async with aclosing(turn.packets()) as packets:
                     async for packet in packets:
                         await self._send_packet(turn, packet)
         finally:
-            await talk.aclose()
+            await turn.aclose()
 
     async def _send_packet(self, turn: Turn, packet: Packet) -> None:
         """Send it when its time has come, unless it is void by then."""
@@ -328,7 +339,7 @@ class Conversation:
             return
         said = turn.interrupt.heard if turn.interrupt else None
         heard = turn.heard(said, self._service.clock.now())
-        char = turn.talk.heard_char(heard) if turn.talk and heard else 0
+        char = turn.heard_char(heard)
         await self.send(
             g.Done(turn=turn.number, reason="interrupted", samples=turn.sent, heard=heard, char=char)
         )
@@ -391,21 +402,3 @@ class Conversation:
         except TimeoutError:
             self.detach(link)
             await link.close(1008, "the client does not read")
-
-
-def ready(service: Service, session: str, fps: Literal[25, 50]) -> g.Ready:
-    """What a server can do."""
-    return g.Ready(
-        server=f"fapstream {__version__}",
-        session=session,
-        fps=fps,
-        faps=bytes(FAP_NUMBERS),
-        voices=tuple(
-            g.Voice(
-                name=v.name, lang=v.lang, engine=v.engine,
-                sample_rate=v.sample_rate, description=v.description,
-            )
-            for v in service.voices.all()
-        ),
-        heads=service.heads(),
-    )  # fmt: skip

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Literal, Protocol
 
+from fapstream import __version__
 from fapstream.motion import Motion
 from fapstream.ports import Clock, Meter, NoMeter, Synthesizer
+from fapstream.protocol import generated as g
+from fapstream.protocol.session import FAP_NUMBERS
 from fapstream.tts import DEFAULT_LOOK_AHEAD, Manner
 from fapstream.tts.voices import Voice
 
@@ -41,3 +44,21 @@ class Service:
     meter: Meter = field(default_factory=NoMeter)
     sent: Callable[[float, float], None] = lambda lateness_s, now: None
     """Told of every packet how long after it was due it left, and when."""
+
+
+def ready(service: Service, session: str, fps: Literal[25, 50]) -> g.Ready:
+    """What a server can do."""
+    return g.Ready(
+        server=f"fapstream {__version__}",
+        session=session,
+        fps=fps,
+        faps=bytes(FAP_NUMBERS),
+        voices=tuple(
+            g.Voice(
+                name=v.name, lang=v.lang, engine=v.engine,
+                sample_rate=v.sample_rate, description=v.description,
+            )
+            for v in service.voices.all()
+        ),
+        heads=service.heads(),
+    )  # fmt: skip

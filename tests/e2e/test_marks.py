@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import wave
 from itertools import pairwise
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -85,9 +86,9 @@ def test_lengths_agree(tmp_path: Path, voice: str, lang: str) -> None:
 
 @pytest.mark.parametrize(("voice", "lang"), VOICES)
 def test_face_agrees_with_the_marks(tmp_path: Path, voice: str, lang: str) -> None:
-    """Within one frame of the middle of every p between vowels the jaw is as shut as it gets there."""
+    """Within one frame of the middle of every p between vowels the lips are as near as they get there."""
     rate, _, marks, rows = say(tmp_path, voice, TEXTS[lang])
-    jaw = fap(rows, 3)
+    apart = -(fap(rows, 4) + fap(rows, 5))
     phones = phones_of(marks)
     checked = 0
     for before, (name, start, end), after in zip(phones, phones[1:], phones[2:], strict=False):
@@ -96,7 +97,9 @@ def test_face_agrees_with_the_marks(tmp_path: Path, voice: str, lang: str) -> No
         first, last = (
             round(s * FPS / rate) for s in ((before[1] + before[2]) / 2, (after[1] + after[2]) / 2)
         )
-        shut = first + int(np.argmin(jaw[first : last + 1]))
-        assert abs(shut / FPS - (start + end) / 2 / rate) <= 1 / FPS + 0.001
+        middle = (start + end) / 2 / rate * FPS
+        near = apart[max(first, ceil(middle - 1)) : int(middle + 1) + 1]
+        assert near.min() <= apart[first : last + 1].min() + 2
+        assert apart[first : last + 1].max() > near.min() + 40
         checked += 1
     assert checked >= 3

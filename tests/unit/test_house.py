@@ -36,8 +36,10 @@ ROOMS: dict[str, set[str]] = {
     "protocol": set(),
     "pipeline": {"tts", "motion", "fap", "stream"},
     "talk": {"pipeline"},
+    "hearing": {"motion", "stream"},
+    "ears": {"hearing"},
     "adapters": {"adapt", "tts"},
-    "server": {"motion", "tts", "pipeline", "talk", "protocol", "stream"},
+    "server": {"ears", "hearing", "motion", "tts", "pipeline", "talk", "protocol", "stream"},
     "client": {"protocol"},
     "viewer": {"adapters", "client", "fap", "head", "motion", "protocol", "stream"},
     "bridges": {"fap", "head", "stream"},
@@ -58,7 +60,7 @@ ROOMS: dict[str, set[str]] = {
     },
 }
 
-IO_ROOMS = {"talk", "adapters", "server", "client", "viewer", "bridges", "cli"}
+IO_ROOMS = {"talk", "ears", "adapters", "server", "client", "viewer", "bridges", "cli"}
 
 THIRD_PARTY: dict[str, set[str]] = {
     "adapt": {"scipy", "PIL"},

@@ -1,7 +1,7 @@
 /** `<fap-head>`: the one file that touches the page. */
 
-import type { Turn, SpeakOptions, TurnEnd } from "./client/turn";
-import { HeadFault } from "./client/turn";
+import type { SpeakOptions, Turn, TurnEnd } from "./client/turn";
+import { HeadFault, OwnTurn } from "./client/turn";
 import { furnish } from "./look";
 import { Presenter } from "./presenter";
 import type { Ready } from "./protocol/generated";
@@ -165,10 +165,27 @@ export class FapHead extends HTMLElement {
   /** More text for the open turn; opens one if there is none. (The element takes no children: this is no longer Element.append.) */
   override append(...pieces: (string | Node)[]): Turn {
     const text = pieces.map((piece) => (piece instanceof Node ? piece.textContent : String(piece))).join("");
-    return this.talking?.open ? this.talking.append(text) : this.speak(text, { open: true });
+    return this.talking?.open && !(this.talking instanceof OwnTurn) ? this.talking.append(text) : this.speak(text, { open: true });
   }
 
-  /** The open turn's text is complete. */
+  /**
+   * Say what the user says, or what `stream` brings, a little later, until `end` or `interrupt`. Without a stream the
+   * browser asks for the microphone. The turn comes in an object, because awaiting a turn waits for its end. Rejects
+   * with a HeadFault.
+   */
+  async hear(stream?: MediaStream): Promise<{ turn: OwnTurn }> {
+    const { presenter } = this;
+    if (!presenter) throw new HeadFault("not_connected", "the element is not in a document");
+    if (presenter.mute) throw presenter.mute;
+    this.unlock();
+    const { turn } = await presenter.hear(stream);
+    if (this.talking?.open) this.talking.end();
+    this.talking = turn;
+    this.refresh();
+    return { turn };
+  }
+
+  /** The open turn's text, or sound, is complete. */
   end(): void {
     if (this.talking?.open) this.talking.end();
   }
@@ -185,7 +202,7 @@ export class FapHead extends HTMLElement {
 
   /** Say it again from the beginning of the sentence being heard (0), or so many sentences before it. */
   seek(back = 1): void {
-    this.talking?.seek(back);
+    if (!(this.talking instanceof OwnTurn)) this.talking?.seek(back);
   }
 
   /** Go on after `pause`. */

@@ -5,7 +5,7 @@ import { FapHead } from "./element";
 if (!customElements.get("fap-head")) customElements.define("fap-head", FapHead);
 
 export { FapHead };
-export { HeadFault, Turn, type SpeakOptions, type TurnEnd } from "./client/turn";
+export { HeadFault, OwnTurn, Turn, type SpeakOptions, type TurnEnd } from "./client/turn";
 export type { Stats } from "./presenter";
 
 declare global {

@@ -4,9 +4,10 @@
  */
 
 import { Conversation, type Wish } from "./client/conversation";
-import { HeadFault } from "./client/turn";
+import { HeadFault, type OwnTurn } from "./client/turn";
 import { Sound } from "./io/audio";
 import { loadHead } from "./io/heads";
+import { capture, microphone } from "./io/microphone";
 import { Socket } from "./io/socket";
 import { Face } from "./motion/face";
 import { SUBPROTOCOL } from "./protocol/generated";
@@ -94,6 +95,23 @@ export class Presenter {
       now: () => performance.now(),
     });
     this.handOver.port1.onmessage = () => this.handedOver();
+  }
+
+  /** A turn (in an object: awaiting a turn waits for its end) that says what a stream brings, or the microphone. Rejects with a HeadFault. */
+  async hear(stream?: MediaStream): Promise<{ turn: OwnTurn }> {
+    const sound = stream ?? await microphone();
+    let turn: OwnTurn | null = null;
+    const taken = await capture(sound, this.options.workletUrl, (pcm) => {
+      if (turn?.open) turn.feed(pcm);
+      else if (turn) stop();
+    }, () => turn?.end());
+    const stop = () => {
+      taken.stop();
+      if (!stream) for (const track of sound.getTracks()) track.stop();
+    };
+    turn = this.conversation.hear(taken.rate);
+    void turn.finished.catch(() => undefined).then(stop);
+    return { turn };
   }
 
   private wish(): Wish {

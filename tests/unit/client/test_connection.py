@@ -20,6 +20,7 @@ from fapstream.protocol.codec import encode
 from fapstream.records import Packet
 from fapstream.server import Address, running
 from tests.unit.fakes import Failing, FakeVoices, fake_app
+from tests.unit.voicing import voicing
 
 LONG = "This is said for quite a while, and then for longer. " * 20
 
@@ -247,3 +248,18 @@ async def test_leaving_in_the_middle_of_a_turn(url: str) -> None:
         await talker.say(LONG)
     async with connect(url) as talker:
         assert (await (await talker.say("on.")).finished()).reason == "end"
+
+
+async def test_a_head_says_what_it_is_fed_with(url: str) -> None:
+    pcm = voicing(0.8, 48000)
+    async with connect(url) as head:
+        turn = await head.hear(48000)
+        for part in np.array_split(pcm, 3):
+            await turn.feed(part)
+        await turn.end()
+        begin, packets, done = await within(10, all_of(turn))  # type: ignore[misc]
+        assert begin.voice == ""
+        assert begin.delay <= 0.3 * 48000
+        assert np.array_equal(np.concatenate([p.pcm for p in packets]), pcm)
+        assert sum(len(p.frames) for p in packets) == 20
+        assert done.samples == len(pcm)

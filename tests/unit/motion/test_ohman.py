@@ -132,8 +132,9 @@ def test_phones_that_nobody_was_heard_to_say_have_a_stand_in() -> None:
     assert stand_in("NG", known) == "N"
     assert stand_in("UH", {"UW0": 0}) == "UW0"
     assert stand_in("OW0:2", known) == "OW1:2"
+    assert stand_in("SH", known) == "N", "at least as far in front"
     with pytest.raises(DataError, match="nothing that the model knows stands in for SH"):
-        stand_in("SH", known)
+        stand_in("SH", {"AA1": 0, SIL: 1})
 
 
 def test_a_model_that_lacks_what_cannot_be_replaced_is_refused() -> None:

@@ -7,11 +7,13 @@ import asyncio
 import numpy as np
 import pytest
 
+from fapstream.ears import MAX_PENDING_S
 from fapstream.protocol import generated as g
 from fapstream.protocol.codec import decode
 from tests.unit.fakes import FakeVoices, in_virtual_time
 from tests.unit.server.peer import Peer, peer
 from tests.unit.server.test_connection import TEXT, say
+from tests.unit.voicing import voicing
 
 LONG = TEXT * 12
 
@@ -35,6 +37,83 @@ def received(p: Peer) -> list[g.ServerMessage]:
 
 def sound(messages: list[g.ServerMessage]) -> list[tuple[int, int]]:
     return [(m.sample, len(m.pcm)) for m in messages if isinstance(m, g.Packet) and m.pcm is not None]
+
+
+def hear(turn: int, pcm: np.ndarray, rate: int | None = None) -> g.Hear:
+    return g.Hear(turn=turn, pcm=pcm, sample_rate=rate)
+
+
+@in_virtual_time
+async def test_a_turn_of_sound_comes_back_with_a_face() -> None:
+    p = Peer(FakeVoices())
+    await greeted(p, g.Hello(lang="en"))
+    pcm = voicing(1.2, 24000)
+    p.send(hear(1, pcm[:0], 24000), *(hear(1, part) for part in np.array_split(pcm, 7)), g.End(turn=1))
+    begin = await p.until(g.Begin)
+    assert (begin.voice, begin.lang, begin.sample_rate, begin.fps) == ("", "en", 24000, 25)
+    assert 0 < (begin.delay or 0) <= 0.3 * 24000
+    packets, done = await p.rest_of_turn(1)
+    assert np.array_equal(np.concatenate([m.pcm for m in packets]), pcm)
+    assert any(m.faps is not None for m in packets)
+    assert done == g.Done(turn=1, reason="end", samples=len(pcm))
+    assert p.voices.acquired == []
+    await p.gone()
+
+
+@in_virtual_time
+async def test_turns_of_sound_and_text_wait_for_each_other() -> None:
+    p = Peer(FakeVoices())
+    await greeted(p, g.Hello())
+    p.send(
+        hear(1, voicing(0.5), 16000),
+        *say(2, "one two. "),
+        g.End(turn=1),
+        hear(3, voicing(0.3), 16000),
+        g.End(turn=3),
+    )
+    begun = []
+    for turn in (1, 2, 3):
+        begun.append((await p.until(g.Begin)).turn)
+        await p.rest_of_turn(turn)
+    assert begun == [1, 2, 3]
+    await p.gone()
+
+
+@in_virtual_time
+async def test_an_interrupted_turn_of_sound_says_what_was_heard() -> None:
+    p = Peer(FakeVoices())
+    await greeted(p, g.Hello())
+    p.send(hear(1, voicing(0.4), 16000), hear(1, voicing(0.4)))
+    await p.until(g.Packet)
+    p.send(g.Interrupt(turn=1, heard=320))
+    done = await p.until(g.Done)
+    assert (done.reason, done.heard, done.char) == ("interrupted", 320, 0)
+    await p.gone()
+
+
+@in_virtual_time
+async def test_sound_beyond_the_limit_is_refused_and_the_rest_is_heard() -> None:
+    p = Peer(FakeVoices())
+    await greeted(p, g.Hello())
+    part = np.ones(8192, np.int16)
+    n = int(MAX_PENDING_S * 8000 / 8192) + 40
+    p.send(hear(1, part, 8000), *(hear(1, part) for _ in range(n)))
+    error = await p.until(g.Error)
+    assert (error.code, error.fatal, error.turn) == ("sound_too_long", False, 1)
+    p.send(g.Interrupt(turn=1))
+    assert (await p.until(g.Done)).reason == "interrupted"
+    await p.gone()
+
+
+@in_virtual_time
+async def test_too_many_turns_of_sound_are_refused_one_by_one() -> None:
+    p = Peer(FakeVoices())
+    await greeted(p, g.Hello())
+    nothing = np.zeros(0, np.int16)
+    p.send(*(hear(turn, nothing, 16000) for turn in range(1, g.MAX_PENDING_TURNS + 2)))
+    error = await p.until(g.Error)
+    assert (error.code, error.turn) == ("too_many_turns", g.MAX_PENDING_TURNS + 1)
+    await p.gone()
 
 
 @pytest.mark.parametrize("taken", [0, 1, 5, 20])

@@ -8,7 +8,7 @@ import pytest
 from fapstream.errors import TextTooLong
 from fapstream.protocol import generated as g
 from fapstream.records import FapFrame, Mark, Packet
-from fapstream.server.turn import Turn
+from fapstream.server.turn import SpokenTurn
 from fapstream.talk import MAX_PENDING_TEXT
 from fapstream.tts.voices import voice
 
@@ -21,8 +21,8 @@ PACKET = Packet(
 )
 
 
-def turn() -> Turn:
-    return Turn(g.Speak(turn=1, text=b""), voice("us1"), 0.0)
+def turn() -> SpokenTurn:
+    return SpokenTurn(g.Speak(turn=1, text=b""), voice("us1"), 0.0)
 
 
 def test_text_waits_up_to_a_limit_and_what_was_accepted_stays() -> None:
@@ -30,7 +30,7 @@ def test_text_waits_up_to_a_limit_and_what_was_accepted_stays() -> None:
     t.feed("x" * MAX_PENDING_TEXT)
     with pytest.raises(TextTooLong):
         t.feed("y")
-    assert "".join(t.text) == "x" * MAX_PENDING_TEXT
+    assert "".join(t._text) == "x" * MAX_PENDING_TEXT
 
 
 @pytest.mark.parametrize(("cut", "left"), [(600, None), (640, None), (900, 260), (1280, 640), (5000, 640)])

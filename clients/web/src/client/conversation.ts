@@ -8,13 +8,15 @@ import { LIMITS, type Begin, type ClientMessage, type Hello, type Listen, type L
 import { ClientSession, type ServerEvent } from "../protocol/session";
 import type { TurnBuffer } from "../stream/buffer";
 import type { Heard } from "../stream/heard";
-import { HeadFault, Turn, type SpeakOptions, type TurnDesk, type TurnEnd } from "./turn";
+import { HeadFault, OwnTurn, Turn, type SpeakOptions, type TurnDesk, type TurnEnd } from "./turn";
 import { Turns, type Spoken, type Stage } from "./turns";
 
 const ACK_MS = 250;
 /** A listener has no credit to give: it only says how it fares. */
 const LISTENER_ACK_MS = 5000;
 const PING_MS = 10_000;
+/** Of one `hear`. */
+const MOST_SAMPLES = 8192;
 const SILENT_MS = 30_000;
 /** Errors after which the server has forgotten the turn they name. */
 const REFUSALS = new Set(["too_many_turns", "unknown_voice", "unknown_language", "voice_unavailable"]);
@@ -144,6 +146,23 @@ export class Conversation implements TurnDesk {
     }
   }
 
+  /** A turn of sound, so many samples a second. */
+  hear(sampleRate: number): OwnTurn {
+    if (this.listens) throw new HeadFault("listening", "a head that listens to a channel does not speak");
+    const turn = new OwnTurn(++this.last, this);
+    this.turns.add(turn);
+    this.post({ type: "hear", turn: turn.id, pcm: new Int16Array(0), sample_rate: sampleRate });
+    return turn;
+  }
+
+  /** Sound while there is no connection is let go: nobody waits for what was said then. */
+  feed(turn: Turn, pcm: Int16Array): void {
+    if (!this.ready || !this.turns.get(turn.id)) return;
+    for (let at = 0; at < pcm.length; at += MOST_SAMPLES) {
+      this.send({ type: "hear", turn: turn.id, pcm: pcm.slice(at, at + MOST_SAMPLES) });
+    }
+  }
+
   end(turn: Turn): void {
     this.post({ type: "end", turn: turn.id });
   }
@@ -152,7 +171,7 @@ export class Conversation implements TurnDesk {
     const live = this.turns.get(turn.id);
     if (!live || live.stopping) return turn.finished;
     this.ports.sound({ kind: "stop", turn: turn.id });
-    const unsent = this.outbox.some((message) => message.type === "speak" && message.turn === turn.id);
+    const unsent = this.outbox.some((message) => (message.type === "speak" || message.type === "hear") && message.turn === turn.id);
     if (!this.ready || this.listens || live.done || unsent) {
       this.outbox = this.outbox.filter((message) => !("turn" in message) || message.turn !== turn.id);
       if (!this.ready && !unsent && !live.done) this.outbox.push({ type: "interrupt", turn: turn.id, heard: Math.floor(live.heard) });
@@ -295,7 +314,7 @@ export class Conversation implements TurnDesk {
   private open(begin: Begin): void {
     const live = this.turns.get(begin.turn) ?? (this.listens ? this.turns.add(new Turn(begin.turn, {}, this)) : undefined);
     if (!live || live.stopping || live.buffer || !this.ready) return;
-    this.turns.begin(live, begin, this.ready.faps, this.listens);
+    this.turns.begin(live, begin, this.ready.faps, this.listens || begin.delay !== undefined);
   }
 
   private complain({ code, message, fatal, turn }: { code: string; message: string; fatal: boolean; turn?: number }): void {

@@ -37,6 +37,7 @@ export class HeadFault extends Error {
 /** What a turn asks of the conversation it belongs to. */
 export interface TurnDesk {
   append(turn: Turn, bytes: Uint8Array): void;
+  feed(turn: Turn, pcm: Int16Array): void;
   end(turn: Turn): void;
   interrupt(turn: Turn): Promise<TurnEnd>;
   splice(turn: Turn, char: number): void;
@@ -136,6 +137,32 @@ export class Turn implements PromiseLike<TurnEnd> {
       this.begun.reject(new HeadFault("turn_ended", `turn ${this.id} ended before it was heard`, false, this.id));
       this.ended.resolve(end);
     }
+  }
+}
+
+/** A turn that somebody speaks himself: fed with sound, which the head says. It has no text to append to, to revise or to seek in. */
+export class OwnTurn extends Turn {
+  constructor(id: number, private readonly to: TurnDesk) {
+    super(id, {}, to);
+  }
+
+  /** More sound, at the rate with which the turn was opened. Throws a HeadFault once it has ended. */
+  feed(pcm: Int16Array): this {
+    if (!this.open) throw new HeadFault("turn_ended", `the sound of turn ${this.id} has ended`, false, this.id);
+    this.to.feed(this, pcm);
+    return this;
+  }
+
+  override append(): never {
+    throw new HeadFault("no_text", `turn ${this.id} is sound and takes no text`, false, this.id);
+  }
+
+  override splice(): never {
+    return this.append();
+  }
+
+  override seek(): never {
+    return this.append();
   }
 }
 

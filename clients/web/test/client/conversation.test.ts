@@ -63,6 +63,57 @@ describe("how a turn is read", () => {
   });
 });
 
+describe("a turn of sound", () => {
+  const hears = () => of("hear").map(({ turn, pcm, sample_rate }) => [turn, pcm.length, sample_rate]);
+
+  it("says its rate once, and is cut into what a message may hold", () => {
+    connect();
+    const turn = talk.hear(48_000);
+    turn.feed(new Int16Array(20_000).fill(7)).feed(new Int16Array(0)).end();
+    expect(hears()).toEqual([[1, 0, 48_000], [1, 8192, undefined], [1, 8192, undefined], [1, 3616, undefined]]);
+    expect(of("hear")[3]?.pcm[0]).toBe(7);
+    expect(of("end")).toEqual([{ type: "end", turn: 1 }]);
+    expect(() => turn.feed(new Int16Array(1))).toThrow(HeadFault);
+  });
+
+  it("is opened once there is a connection, and lets go what was said before", () => {
+    const turn = talk.hear(16_000);
+    turn.feed(new Int16Array(320));
+    connect();
+    turn.feed(new Int16Array(100));
+    expect(hears()).toEqual([[1, 0, 16_000], [1, 100, undefined]]);
+  });
+
+  it("is played as it comes, and is over when it was heard", async () => {
+    connect();
+    const turn = talk.hear(RATE);
+    say({ type: "begin", turn: 1, voice: "", lang: "en", sample_rate: RATE, fps: 25, delay: 3200 });
+    expect(commands).toMatchObject([{ kind: "begin", turn: 1, rate: RATE, live: true }]);
+    say({ type: "packet", turn: 1, sample: 0, pcm: new Int16Array(640), ...face(1) });
+    turn.end();
+    say({ type: "done", turn: 1, reason: "end", samples: 640 });
+    talk.advance(heard(1, 640, "over"));
+    expect(await turn).toMatchObject({ reason: "end", samples: 640 });
+  });
+
+  it("is interrupted before the server knows of it without a word to the server", async () => {
+    const turn = talk.hear(RATE);
+    expect(await turn.interrupt()).toMatchObject({ reason: "interrupted" });
+    connect();
+    expect(hears()).toEqual([]);
+  });
+
+  it("takes no text, and is not for a head that listens", () => {
+    connect();
+    const turn = talk.hear(RATE);
+    expect(() => turn.append()).toThrow(/takes no text/);
+    expect(() => turn.splice()).toThrow(HeadFault);
+    expect(() => turn.seek()).toThrow(HeadFault);
+    talk.connected({ channel: "news" });
+    expect(() => talk.hear(RATE)).toThrow(/does not speak/);
+  });
+});
+
 describe("a turn", () => {
   it("goes through: text out, sound in, events when heard, done when heard to the end", async () => {
     connect();
