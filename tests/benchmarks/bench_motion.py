@@ -24,16 +24,20 @@ from numpy.typing import NDArray
 from sklearn.ensemble import ExtraTreesRegressor
 from sklearn.tree import DecisionTreeRegressor
 
+from fapstream.adapters.sound_file import read_sound
 from fapstream.errors import FapstreamError
 from fapstream.head import Fapu
 from fapstream.learn.clips import Folder
 from fapstream.learn.training import TRAIN, Filmed, film, mean_fapu, speech
 from fapstream.motion import MODELS, Motion
+from fapstream.motion.hearing import HearingMouth
 from tests.benchmarks import rivals
 from tests.benchmarks.mouths import (
     QUANTITIES,
+    SAMPLE_RATE,
     apart_in_closures,
     contexts,
+    from_sound,
     heard,
     least_squares,
     ours,
@@ -46,6 +50,7 @@ from tests.benchmarks.warping import warped
 Floats = NDArray[np.float64]
 
 MARGIN_S = 0.1
+HEARD = f"from sound, {1000 * HearingMouth.delay_s:.0f} ms late"
 CLOSED_MM = 2.0
 TALKING_HEAD = Path("build/rivals/talkinghead-1.7.0")
 LEAF = 30
@@ -55,11 +60,13 @@ TREES, EVERY = 60, 2
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What is compared: clips to fit to and clips to score, and what was measured in them, (n, 3) each."""
+    """What is compared: clips to fit to and clips to score, and what was measured in them, (n, 3) each; and
+    where their sound is."""
 
     train: Sequence[Filmed]
     scored: Sequence[Filmed]
     fapu: Fapu
+    sounds: Path
 
     def measured(self, filmed: Filmed) -> Floats:
         """The three quantities, mm."""
@@ -69,7 +76,7 @@ class Scene:
 @dataclass(frozen=True, slots=True)
 class Score:
     """Medians over sentences, of each quantity; `closures`: in how many B, P and M the lips are nearer than
-    CLOSED_MM; `lag_free` is not known of everything."""
+    CLOSED_MM."""
 
     r: Floats
     rmse: Floats
@@ -116,6 +123,9 @@ def contestants(scene: Scene) -> Iterator[tuple[str, Score]]:
     yield "constant", score(scene, [np.tile(mean, (len(f.measured.seen), 1)) for f in scene.scored])
     for model in MODELS:
         yield model, score(scene, [ours(heard(f.clip), Motion(model), scene.fapu) for f in scene.scored])
+    if scene.sounds.is_dir():
+        sound = [read_sound(scene.sounds / f"{f.clip.name}.flac", SAMPLE_RATE) for f in scene.scored]
+        yield HEARD, score(scene, [from_sound(pcm, scene.fapu) for pcm in sound])
     inputs = [(f, contexts(f.clip, len(f.measured.seen))) for f in scene.train]
     asked = [contexts(f.clip, len(f.measured.seen)) for f in scene.scored]
     for name, fit in (("context tree", _tree), ("extra trees", _extra_trees)):
@@ -184,6 +194,7 @@ def figures(scores: Mapping[str, Score]) -> dict[str, float | None]:
     }
     found["ohman_aperture_r"] = round(float(scores["ohman"].r[0]), 3)
     found["keyframes_aperture_r"] = round(float(scores["keyframes"].r[0]), 3)
+    found["heard_aperture_r"] = round(float(scores[HEARD].r[0]), 3) if HEARD in scores else None
     found["closures"] = scores["hmm"].closures
     found["best_rival_aperture_r"] = round(float(max(theirs)), 3) if theirs else None
     return found
@@ -207,7 +218,7 @@ def main() -> int:
     try:
         folder = Folder(options.data)
         train = film(folder, TRAIN, left_out)
-        scene = Scene(train, film(folder, options.part, left_out), mean_fapu(train))
+        scene = Scene(train, film(folder, options.part, left_out), mean_fapu(train), options.data / "flac")
     except FapstreamError as e:
         print(f"motion: {e}", file=sys.stderr)
         return 1

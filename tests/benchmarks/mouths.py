@@ -18,11 +18,11 @@ from fapstream.learn.clips import Clip
 from fapstream.learn.measured import RATE
 from fapstream.learn.sentences import stresses_of
 from fapstream.learn.training import Filmed, speech
-from fapstream.motion import Motion
+from fapstream.motion import Motion, hearing_mouth
 from fapstream.motion.mixer import spoken
 from fapstream.motion.mouths import mouth_track
 from fapstream.motion.units import SIL, features
-from fapstream.records import N_FAPS, SILENCE, Phone, TimedPhone
+from fapstream.records import N_FAPS, SILENCE, Pcm, Phone, TimedPhone
 from fapstream.tts import FrontEnd
 
 Floats = NDArray[np.float64]
@@ -84,7 +84,19 @@ def ours(phones: Sequence[TimedPhone], motion: Motion, fapu: Fapu) -> Floats:
     for phone in phones:
         track.add(phone)
     mouth = track.at(np.arange(0, phones[-1].end, SAMPLE_RATE // FPS))
-    made = quantities(spoken(mouth, np.zeros(N_FAPS)), fapu)
+    return _finer(quantities(spoken(mouth, np.zeros(N_FAPS)), fapu))
+
+
+def from_sound(pcm: Pcm, fapu: Fapu) -> Floats:
+    """What our engine makes of sound at SAMPLE_RATE alone, shape (n, 3)."""
+    mouth = hearing_mouth(SAMPLE_RATE)
+    mouth.hear(pcm)
+    mouth.end()
+    return _finer(quantities(mouth.at(np.arange(0, len(pcm), SAMPLE_RATE // FPS)).values, fapu))
+
+
+def _finer(made: Floats) -> Floats:
+    """From FPS to RATE a second."""
     t = np.arange(0, len(made) - 1, FPS / RATE)
     return np.stack([np.interp(t, np.arange(len(made)), column) for column in made.T], axis=1)
 

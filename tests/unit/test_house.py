@@ -64,6 +64,7 @@ IO_ROOMS = {"talk", "ears", "adapters", "server", "client", "viewer", "bridges",
 
 THIRD_PARTY: dict[str, set[str]] = {
     "adapt": {"scipy", "PIL"},
+    "learn": {"scipy"},
     "protocol": {"msgpack"},
     "adapters": {
         "pyaudio",
