@@ -19,7 +19,7 @@ from fapstream.motion.ohman import emergence
 Floats = NDArray[np.float64]
 
 REACH_S, STEP_S = 0.2, 0.01
-AXIS: Floats = np.arange(-round(REACH_S / STEP_S), round(REACH_S / STEP_S) + 1) * STEP_S
+AXIS = np.linspace(-REACH_S, REACH_S, 2 * round(REACH_S / STEP_S) + 1)
 """Times from a consonant's middle, s."""
 PLACES, FLANKS_S, HOLDS = (0.3, 0.4, 0.5, 0.6, 0.7), (0.04, 0.07, 0.1, 0.14, 0.19), (0.0, 0.1, 0.2, 0.3)
 """What curves are tried."""

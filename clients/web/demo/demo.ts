@@ -1,6 +1,6 @@
 /** The page to try it. Uses nothing but the element's public face. */
 
-import type { FapHead, Stats, Turn } from "../src/index";
+import type { FapHead, OwnTurn, Stats, Turn } from "../src/index";
 
 interface Voice { name: string; lang: string; engine: string; description?: string }
 
@@ -36,6 +36,7 @@ const speak = find<HTMLButtonElement>("speak");
 const stop = find<HTMLButtonElement>("stop");
 const pause = find<HTMLButtonElement>("pause");
 const back = find<HTMLButtonElement>("back");
+const mic = find<HTMLButtonElement>("mic");
 
 /** What the address says behind `#`: a token where the server asks for one, and a channel to listen to. */
 const wishes = new URLSearchParams(location.hash.slice(1));
@@ -112,6 +113,30 @@ function watch(turn: Turn): Turn {
   return turn;
 }
 
+/** The turn that says what the microphone hears. */
+let own: OwnTurn | null = null;
+
+async function hear(): Promise<void> {
+  if (own) {
+    own.end();
+    return;
+  }
+  mic.disabled = true;
+  try {
+    const { turn } = await head.hear();
+    own = turn;
+    mic.setAttribute("aria-pressed", "true");
+    watch(turn).then(() => undefined, () => undefined).then(() => {
+      own = null;
+      mic.setAttribute("aria-pressed", "false");
+    });
+  } catch (e) {
+    status("wait", (e as Error).message);
+  } finally {
+    mic.disabled = false;
+  }
+}
+
 function busy(change: number): void {
   speaking += change;
   stop.disabled = pause.disabled = back.disabled = speaking === 0;
@@ -173,6 +198,7 @@ pause.addEventListener("click", () => {
   if (on) head.pause();
   else head.continue();
 });
+mic.addEventListener("click", () => void hear());
 back.addEventListener("click", () => head.seek(0));
 stop.addEventListener("click", () => ((typed = null), void head.interrupt()));
 find("snippet").textContent =
