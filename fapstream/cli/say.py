@@ -84,6 +84,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write what was asked for."""
+    if args.text is None and args.speech is None:
+        print("fapstream say: TEXT, or --speech with a recording, is missing; see --help", file=sys.stderr)
+        return 2
     asyncio.run(_say(args))
     return 0
 
@@ -140,8 +143,6 @@ def _text(args: argparse.Namespace) -> str:
         raise InputError("--speech is a voice and its text: it takes no TEXT, no other voice and no --pho")
     if args.speech and args.lang not in (None, "en"):
         raise InputError("--speech understands English only")
-    if args.text is None and not args.speech:
-        raise InputError("there is nothing to say: TEXT, or --speech with a recording, is missing")
     return args.text or ""
 
 

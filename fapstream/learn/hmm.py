@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FIRST_STAY = 0.6
+LEAST_VARIANCE = 1e-9
+"""Of numbers that never change."""
 Progress = Callable[[str], None]
 """Is told what is done before each step."""
 
@@ -65,7 +67,7 @@ class HmmTrainer:
         recipe = self.recipe
         self.log_likelihood_: dict[str, list[float]] = {}
         frames = np.concatenate([dynamic(s.parameters) for s in sentences])
-        self._floor = recipe.floor * frames.var(axis=0)
+        self._floor = np.maximum(recipe.floor * frames.var(axis=0), LEAST_VARIANCE)
         plain = [s.without([i for i, may in enumerate(s.optional) if may]) for s in sentences]
         single = Names.single(sentences)
         gaussians, _ = self._train(plain, single, flat_start(frames, len(single.index)), "flat")
@@ -134,7 +136,7 @@ class HmmTrainer:
 
 def flat_start(frames: Floats, n: int) -> Gaussians:
     """n states that all look like all the frames (t, d)."""
-    mean, var = frames.mean(axis=0), frames.var(axis=0)
+    mean, var = frames.mean(axis=0), np.maximum(frames.var(axis=0), LEAST_VARIANCE)
     return Gaussians(np.tile(mean, (n, 1)), np.tile(var, (n, 1)), np.full(n, FIRST_STAY))
 
 
