@@ -53,12 +53,14 @@ PAGE_POLICY = "; ".join(
         "frame-ancestors 'self'",
     ]
 )
-DEVICES = ("camera", "microphone", "geolocation", "payment", "usb", "serial", "midi", "display-capture")
+DEVICES = ("camera", "geolocation", "payment", "usb", "serial", "midi", "display-capture")
+
+"""What no page of ours needs. The microphone is for `hear`."""
 
 OF_PAGES = (
     *ALWAYS,
     ("Content-Security-Policy", PAGE_POLICY),
-    ("Permissions-Policy", ", ".join(f"{device}=()" for device in DEVICES)),
+    ("Permissions-Policy", ", ".join(["microphone=(self)", *(f"{device}=()" for device in DEVICES)])),
     ("Cross-Origin-Opener-Policy", "same-origin"),
     ("Cross-Origin-Resource-Policy", "same-origin"),
 )

@@ -59,7 +59,9 @@ def test_pages(site: Site, path: str) -> None:
     assert header(answer, "Access-Control-Allow-Origin") is None
     assert header(answer, "Cross-Origin-Resource-Policy") == "same-origin"
     assert header(answer, "Cross-Origin-Opener-Policy") == "same-origin"
-    assert "microphone=()" in (header(answer, "Permissions-Policy") or "")
+    allowed = header(answer, "Permissions-Policy") or ""
+    assert "microphone=(self)" in allowed
+    assert "camera=()" in allowed
 
 
 @pytest.mark.parametrize("path", ["/", "/adapt"])
