@@ -68,9 +68,12 @@ def _tell(bar: tqdm[None], what: str) -> None:
 
 
 def write(trained: Trained, out: Path) -> None:
-    """The file, whole or not at all. Raises DataError if it would not be read again."""
+    """The file, whole or not at all. Raises DataError if it would not be read again, or if nothing stands in
+    for phones that were never heard."""
     data = pack(trained.speaker)
-    unpack(data, out.name)
+    speaker = unpack(data, out.name)
+    speaker.mouth("hmm")
+    speaker.mouth("ohman")
     if len(data) > MOST_BYTES:
         raise FapstreamError(f"the model takes {len(data)} bytes; {MOST_BYTES} are allowed")
     beside = out.with_name(f"{out.name}.new")

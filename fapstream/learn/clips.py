@@ -11,6 +11,7 @@ flac/           sound, 16 kHz, where it is wanted
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,6 +23,7 @@ import numpy as np
 
 from fapstream.errors import ClipError
 from fapstream.learn.landmarks import Landmarks
+from fapstream.motion.units import features
 
 FPS = 25.0
 NO_FACE = -32768
@@ -75,15 +77,15 @@ class Folder:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.split = {part: tuple(names) for part, names in _json(path / "split.json").items()}
+        self.split = _split(path / "split.json")
         self._phones = _json(path / "phones.json")
         try:
-            file = np.load(path / "landmarks.npz", allow_pickle=False)
-            self._xyz, self._frames = file["xyz64"], file["nframes"]
-            self._ids = tuple(int(i) for i in file["ids"])
-            self._row = {str(name): row for row, name in enumerate(file["names"])}
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as e:
+            arrays = _arrays(path / "landmarks.npz")
+        except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error) as e:
             raise ClipError(f"{path / 'landmarks.npz'}: not landmarks of clips ({e})") from e
+        self._xyz, self._frames = arrays["xyz64"], arrays["nframes"]
+        self._ids = tuple(int(i) for i in arrays["ids"])
+        self._row = {str(name): row for row, name in enumerate(arrays["names"])}
 
     def part(self, name: str) -> tuple[str, ...]:
         """The clips of `train`, `dev` or what else the folder is split into. Raises ClipError."""
@@ -109,6 +111,30 @@ class Folder:
         return Landmarks(points, self._ids, FPS)
 
 
+def _arrays(path: Path) -> dict[str, Any]:
+    """Those of landmarks.npz. Raises ValueError for such as do not fit one another, and what numpy does."""
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in ("xyz64", "nframes", "ids", "names")}
+    xyz, frames, ids, names = arrays.values()
+    if xyz.ndim != 4 or xyz.shape != (*names.shape, xyz.shape[1], *ids.shape, 3):
+        raise ValueError(f"xyz64 has the shape {xyz.shape}; {names.size} clips, {ids.size} points")
+    if not all(array.dtype.kind in "iu" for array in (xyz, frames, ids)):
+        raise ValueError("xyz64, nframes and ids have to be whole numbers")
+    if frames.shape != names.shape or not all(0 <= n <= xyz.shape[1] for n in frames):
+        raise ValueError(f"nframes has to hold 0 to {xyz.shape[1]} frames for each of {names.size} clips")
+    if any(len(np.unique(array)) < array.size for array in (ids, names)):
+        raise ValueError("the same point or the same clip is there twice")
+    return arrays
+
+
+def _split(path: Path) -> dict[str, tuple[str, ...]]:
+    split = _json(path)
+    for part, names in split.items():
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise ClipError(f"{path}: {part!r} has to be a list of clips")
+    return {part: tuple(names) for part, names in split.items()}
+
+
 def _words(name: str, rows: Any) -> tuple[WordHeard, ...]:
     try:
         words = tuple(
@@ -120,10 +146,17 @@ def _words(name: str, rows: Any) -> tuple[WordHeard, ...]:
             )
             for text, start, duration, phones in rows
         )
+        if not words or not all(word.phones for word in words):
+            raise ValueError("none, or one without phones")
     except (TypeError, ValueError) as e:
         raise ClipError(f"phones.json: {name!r} has no words with phones and times ({e})") from None
-    times = [time for word in words for phone in word.phones for time in (phone.start, phone.end)]
-    if not times or not all(a <= b + 1e-6 for a, b in pairwise(times)):
+    unknown = {phone.name for word in words for phone in word.phones} - {u.rstrip("01") for u in features()}
+    if unknown:
+        raise ClipError(f"phones.json: {name!r}: no phones of CMUdict: {', '.join(sorted(unknown))}")
+    times = [0.0]
+    for word in words:
+        times += [word.start, *(t for phone in word.phones for t in (phone.start, phone.end)), word.end]
+    if not np.isfinite(times).all() or not all(a <= b + 1e-6 for a, b in pairwise(times)):
         raise ClipError(f"phones.json: {name!r}: the times do not ascend")
     return words
 

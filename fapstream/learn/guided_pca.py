@@ -12,8 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fapstream.errors import ClipError
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+LEAST_PART = 1e-12
+"""Of the total variance; less is what rounding leaves."""
 
 
 TWINS = 1e-6
@@ -41,17 +46,20 @@ class GuidedPca:
         self.guides = guides
 
     def fit(self, x: Floats) -> GuidedPca:
-        """Of rows (r, d)."""
+        """Of rows (r, d). Raises ClipError if less moves than there are components."""
         self.mean_ = x.mean(axis=0)
         left = x - self.mean_
         # what is left is the rows times this
         residual = np.eye(x.shape[1])
-        basis, encoder, explained = [], [], []
+        basis: list[Floats] = []
+        encoder, explained = [], []
         total = left.var(axis=0).sum()
         for guide in self.guides:
             for direction in _components(left[:, guide.columns], guide.components):
                 score = guide.sign * residual[:, guide.columns] @ direction
                 values = (x - self.mean_) @ score
+                if not values.var() > LEAST_PART * total:
+                    raise ClipError(f"nothing moves that component {len(basis) + 1} could be found in")
                 score, values = score / values.std(), values / values.std()
                 loading = values @ left / (values @ values)
                 before = left.var(axis=0).sum()

@@ -34,7 +34,8 @@ class Recipe:
     `slack`: how many frames a unit may lie outside the times that the sound has it at. In the paper it may
     lie anywhere (None), as if there were no sound; then states settle where they fit and not where the phones
     are, and what is made from the phones' times is much further from what was measured. `floor`: the least
-    variance, as a part of that of all frames. `min_frames`, `min_gain`: see clustering.
+    variance, as a part of that of all frames. `min_frames`, `min_gain`: see clustering. Raises ValueError for
+    steps without iterations.
     """
 
     flat: int = 6
@@ -45,6 +46,10 @@ class Recipe:
     floor: float = 0.01
     min_frames: float = 50.0
     min_gain: float = 40.0
+
+    def __post_init__(self) -> None:
+        if min(self.flat, self.realigned, self.cloned, self.tied) < 1:
+            raise ValueError("every step has to have an iteration")
 
     @property
     def steps(self) -> int:

@@ -24,6 +24,8 @@ LEAST_SIZE = 8.0
 """Pixels: no face is smaller."""
 SETTLED = 1e-4
 """The mean shape of the bones is found when it moves by less, as a part of its size."""
+FLAT = 1e-3
+"""Sine of the least angle between the line of the eyes and what is upright."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,17 +91,18 @@ def still(landmarks: Landmarks) -> Floats:
     90 mm apart: shape (n, k, 3), x to the subject's left, y up, z forwards; lost frames stay NaN.
 
     Each frame is fitted to the clip's own mean by a similarity, on the points that move with the skull alone.
-    Raises ClipError: no face in any frame, points missing.
+    A frame that misses a point is lost, and so is one whose points are all in one place. Raises ClipError: no
+    face in any frame, points missing, points on a line.
     """
     points = landmarks.points * np.array([1.0, -1.0, -1.0])
     bone = points[:, columns(landmarks.ids, points_of("bone"))]
-    seen = np.isfinite(points).all(axis=(1, 2))
+    seen = np.isfinite(points).all(axis=(1, 2)) & (np.ptp(bone, axis=1).max(axis=1) > 0)
     if not seen.any():
         raise ClipError("there is no face in the clip")
     if np.ptp(bone[seen], axis=1).max() < LEAST_SIZE:
         raise ClipError("the points lie in one place: they are no face")
     mean = _mean_shape(bone[seen])
-    upright = points.copy()
+    upright = np.full_like(points, np.nan)
     upright[seen] = _move(points[seen], _similarities(bone[seen], mean))
     return _stand(upright, landmarks.ids)
 
@@ -150,8 +153,10 @@ def _stand(points: Floats, ids: tuple[int, ...]) -> Floats:
     left, right, crown, base = np.nanmean(points[:, columns(ids, (*OUTER_EYES, CROWN, BASE))], axis=0)
     x = left - right
     width = np.linalg.norm(x)
-    x = x / width
     y = crown - base
+    if np.linalg.norm(np.cross(x, y)) < FLAT * width * np.linalg.norm(y) or not width:
+        raise ClipError("the points are no face: eyes, hairline and nose are on one line")
+    x = x / width
     y = y - (y @ x) * x
     y = y / np.linalg.norm(y)
     axes = np.stack([x, y, np.cross(x, y)])

@@ -1,8 +1,9 @@
 """FAPs measured on people: how far feature points are from where they are on the neutral face, in FAPU.
 
 That is what a FAP is by definition (ISO/IEC 14496-2, Annex C). A camera in front sees what happens in its
-plane: jaw, lips, corners, brows, lids. It does not see depth: thrust of the jaw (14), protrusion of the lips
-(16, 17) and the tongue (43-47) are not measured, and their columns stay 0.
+plane: jaw, lips, corners, brows, lids. It does not see depth: thrust of the jaw (14) and protrusion of the
+lips (16, 17) are not measured, nor is what the points do not show or speech does not need: the jaw's shift
+(15), the chin's push (18), gaze and pupils, cheeks, tongue, head, nose and ears. Their columns stay 0.
 """
 
 from __future__ import annotations
@@ -104,7 +105,9 @@ def feature_points(points: Floats, ids: tuple[int, ...], names: tuple[str, ...])
 def _resampled(moved: Floats, seen: NDArray[np.bool_], fps: float) -> tuple[Floats, NDArray[np.bool_]]:
     """Tracks (n, k, 3) at RATE, smoothed, and where they are known."""
     frames = np.arange(len(moved))
-    at = np.arange(int((len(moved) - 1) / fps * RATE + 1e-6) + 1) / RATE * fps
+    last = len(moved) - 1
+    # rounding must not put the last instant beyond the last frame
+    at = np.minimum(np.arange(int(last / fps * RATE + 1e-6) + 1) * fps / RATE, last)
     bridged = CubicSpline(frames[seen], moved[seen])(np.clip(frames, *frames[seen][[0, -1]]))
     smooth = savgol_filter(bridged, SMOOTH_FRAMES, SMOOTH_ORDER, axis=0)
     before = np.maximum(np.searchsorted(frames[seen], at, side="right") - 1, 0)

@@ -92,16 +92,19 @@ class OhmanFit:
                 options={"maxiter": self.recipe.iterations},
             )  # fmt: skip
             x = found.x
-            self.error_.append(float(found.fun) / (talks.counts.sum() * model.values.shape[1]))
+            error, _ = _squared_error(x, talks, model, order)
+            self.error_.append(error / (talks.counts.sum() * model.values.shape[1]))
         self.model_ = _Numbers.read(x, model).model(model)
         return self
 
 
 def regressed(sentences: Sequence[Sentence]) -> Ohman:
-    """Targets of vowels from their middles, and of consonants by regression at theirs."""
+    """Targets of vowels from their middles, and of consonants by regression at theirs. Raises ClipError."""
     targets, values = _vowels(sentences)
     n = sentences[0].parameters.shape[1]
     consonants = sorted({u for s in sentences for u in s.units if is_consonant(u)})
+    if not consonants:
+        raise ClipError("no consonants are said that could be learned from")
     blank = Ohman(
         targets, values, tuple(consonants),
         np.zeros((len(consonants), n)), np.zeros((len(consonants), n)),

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 MARGIN_S = 0.3
 """So much of the silence on either side belongs to a sentence."""
+CUT_FRAMES = 4
+"""The last picture of a film stands for as long, at 25 a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,7 @@ def sentence(clip: Clip, parameters: Floats, silences: bool) -> Sentence:
         inside = 0 < i < len(clip.words) - 1
         if word.silent and inside and silences:
             continue
-        if silences and i > 1 and inside:
+        if silences and not word.silent and units and units[-1] != SIL:
             before = times[-1][1] + start
             put(SIL, before / RATE, word.start, True)
         for phone, stressed in zip(word.phones, stresses, strict=True):
@@ -104,6 +106,8 @@ def stresses_of(words: Sequence[WordHeard]) -> list[list[bool]]:
 
 
 def usable(measured: Measured, sentence: Sentence) -> bool:
-    """Whether the face was seen all through a sentence."""
+    """Whether the face was seen all through a sentence, and the film goes on to the end of what is said."""
     end = sentence.start + len(sentence.parameters)
-    return bool(measured.seen[sentence.start : end].all())
+    said = [time for unit, (_, time) in zip(sentence.units, sentence.times, strict=True) if unit != SIL]
+    filmed = len(sentence.parameters) > 0 and max(said) <= len(sentence.parameters) + CUT_FRAMES
+    return filmed and bool(measured.seen[sentence.start : end].all())

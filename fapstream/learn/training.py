@@ -101,6 +101,7 @@ def train(
     """Learn a speaker; `made` goes into the file. `sound`: that of a clip, at 16 kHz; without it the speaker
     cannot hear. Raises ClipError."""
     left_out: dict[str, str] = {}
+    folder.part(DEVELOPMENT)  # rather now than after half of the work
     filmed = film(folder, TRAIN, left_out, tell)
     if len(filmed) < LEAST_CLIPS:
         raise ClipError(f"{folder.path}: only {len(filmed)} clips can be used, of at least {LEAST_CLIPS}")

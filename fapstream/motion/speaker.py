@@ -101,13 +101,16 @@ def unpack(data: bytes, name: str) -> Speaker:
                     name, None, "was made with other features than data/features.tsv; make it again"
                 )
             return _read({key: file[key] for key in file.files})
-    except (KeyError, ValueError, OSError, EOFError, BadZipFile) as e:
+    except (KeyError, ValueError, TypeError, EOFError, OSError, BadZipFile) as e:
         raise DataError(name, None, f"holds no articulation ({e})") from None
 
 
 def _read(file: dict[str, Any]) -> Speaker:
     def numbers(key: str) -> Any:
-        return file[key].astype(np.float64)
+        found = file[key].astype(np.float64)
+        if not np.isfinite(found).all():
+            raise ValueError(f"{key} holds what is no number")
+        return found
 
     trees = tuple(Tree(file[f"tree_{k}"].astype(np.int64)) for k in range(N_TREES))
     return Speaker(
