@@ -85,17 +85,18 @@ class OhmanMouth:
         return emerged(p, np.take_along_axis(much, order[None], axis=1), target)
 
     def _carrier(self, units: Sequence[TimedUnit], limit: Ints, t: Floats, rate: int) -> Floats:
-        """From vowel to vowel, as far as each instant may look."""
+        """From vowel to vowel, as far as each instant may look; ready to speak while none is in sight."""
         places: list[Key] = []
         upto = []
         for i, unit in enumerate(units):
             places += keys(unit, rate, i + 1 < len(units))
             upto.append(len(places))
-        if not places:
-            places, upto = [(0.0, READY)], [1] * len(units)
-        values = self._model.values[[self._target[name] for _, name in places]]
-        last = np.maximum(np.array(upto)[np.minimum(limit, len(units) - 1)] - 1, 0)
-        found: Floats = interpolation(np.array([time for time, _ in places]), t, last) @ values
+        known = np.array(upto)[np.minimum(limit, len(units) - 1)]
+        found: Floats = np.tile(self._model.values[self._target[READY]], (len(t), 1))
+        if (some := known > 0).any():
+            values = self._model.values[[self._target[name] for _, name in places]]
+            times = np.array([time for time, _ in places])
+            found[some] = interpolation(times, t[some], known[some] - 1) @ values
         return found
 
 
