@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from fapstream.errors import ClipError
-from fapstream.motion.hearing import APART, BANDS, DEEP, REACH, STACKED, Heard, Listener
+from fapstream.motion.hearing import APART, BANDS, DEEP, REACH, STACKED, Heard, Listener, centres
 from fapstream.records import Pcm
 
 Floats = NDArray[np.float64]
@@ -23,24 +23,39 @@ ITERATIONS = 250
 TILT_NATS, NOISE, QUIETER = 1.5, (2.0, 60.0), (0.05, 1.0)
 """How other microphones may differ: by a slope of the spectrum to either side, by noise (its size, from
 samples of 16 bits, spread evenly as logarithms), by how loud they are."""
+TRACT = 0.12
+"""By how much other vocal tracts may be longer or shorter (the logarithm): formants are as much lower or
+higher."""
 
 
 def stacked(pcm: Pcm, rng: np.random.Generator | None = None) -> Floats:
-    """What the network is given at instants 20 ms apart, shape (n, STACKED x BANDS). With `rng` another
-    microphone is made up."""
-    tilt = np.zeros(BANDS)
+    """What the network is given at instants 20 ms apart, shape (n, STACKED x BANDS). With `rng` somebody else
+    at another microphone is made up."""
+    tilt, tract = np.zeros(BANDS), np.eye(BANDS)
     if rng is not None:
         noise = np.exp(rng.uniform(*np.log(NOISE)))
         level = np.exp(rng.uniform(*np.log(QUIETER)))
         pcm = (pcm * level + rng.normal(0, noise, len(pcm))).clip(-32768, 32767).astype(np.int16)
         tilt = rng.uniform(-TILT_NATS, TILT_NATS) * np.linspace(-1, 1, BANDS)
+        tract = warp(np.exp(rng.uniform(-TRACT, TRACT)))
     listener = Listener(RATE)
     listener.add(pcm)
     frames = np.concatenate([bands for bands, _ in listener.frames(last=True)])
-    frames = np.where(frames > -DEEP, np.maximum(frames + tilt, -DEEP), frames)
+    frames = np.where(frames > -DEEP, np.maximum(frames + tilt, -DEEP), frames) @ tract
     padded = np.pad(frames, ((REACH, REACH + 1), (0, 0)), constant_values=-DEEP)
     at = np.arange(0, len(frames), 2)[:, None] + np.arange(0, 2 * REACH + 1, APART)
     found: Floats = padded[at].reshape(len(at), STACKED * BANDS)
+    return found
+
+
+def warp(times: float) -> Floats:
+    """What turns bands (n, BANDS) into those of sound whose formants are so many times as high."""
+    centre = centres()
+    at = np.interp(centre / times, centre, np.arange(BANDS))
+    below = np.minimum(at.astype(int), BANDS - 2)
+    found = np.zeros((BANDS, BANDS))
+    found[below, np.arange(BANDS)] = 1 - (at - below)
+    found[below + 1, np.arange(BANDS)] = at - below
     return found
 
 
@@ -96,16 +111,16 @@ def _error(
 def paired(
     sounds: Sequence[Pcm], parameters: Sequence[Floats], speech: Sequence[slice], seed: int = 0
 ) -> tuple[Floats, Floats]:
-    """What is heard in clips and what the faces did, 20 ms apart: each clip as it is and as another
-    microphone would have it. `parameters`: of whole clips, (t, n), 100 a second; `speech`:
+    """What is heard in clips and what the faces did, 20 ms apart: each clip as it is and as somebody
+    else at another microphone would have said it. `parameters`: of whole clips, (t, n), 100 a second; `speech`:
     the frames of them that count."""
     rng = np.random.default_rng(seed)
     x, y = [], []
     for pcm, made, frames in zip(sounds, parameters, speech, strict=True):
         wanted = made[::2]
         counts = slice(frames.start // 2, frames.stop // 2)
-        for microphone in (None, rng):
-            given = stacked(pcm, microphone)
+        for other in (None, rng):
+            given = stacked(pcm, other)
             n = min(len(given), len(wanted))
             x.append(given[:n][counts])
             y.append(wanted[:n][counts])

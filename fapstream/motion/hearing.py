@@ -66,6 +66,18 @@ class Heard:
         return found
 
 
+def _edges() -> Floats:
+    """Where every band begins, which is where the one before it is highest, and the last one ends, Hz."""
+    low, high = 1127 * np.log1p(np.array([LOWEST_HZ, HIGHEST_HZ]) / 700)
+    found: Floats = 700 * np.expm1(np.linspace(low, high, BANDS + 2) / 1127)
+    return found
+
+
+def centres() -> Floats:
+    """Where every band is highest, Hz."""
+    return _edges()[1:-1]
+
+
 @cache
 def _bands(rate: int) -> tuple[Floats, Floats]:
     """The window, and weights of the spectrum's lines, shape (lines, BANDS), so that each band is a mean of
@@ -74,8 +86,7 @@ def _bands(rate: int) -> tuple[Floats, Floats]:
     window = np.hanning(n + 2)[1:-1]
     size = 1 << (n - 1).bit_length()
     hz = np.fft.rfftfreq(size, 1 / rate)
-    low, high = 1127 * np.log1p(np.array([LOWEST_HZ, HIGHEST_HZ]) / 700)
-    edges = 700 * np.expm1(np.linspace(low, high, BANDS + 2) / 1127)
+    edges = _edges()
     up = (hz[:, None] - edges[:-2]) / (edges[1:-1] - edges[:-2])
     down = (edges[2:] - hz[:, None]) / (edges[2:] - edges[1:-1])
     shape = np.maximum(0.0, np.minimum(up, down))

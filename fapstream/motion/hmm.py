@@ -23,8 +23,8 @@ from fapstream.motion.units import SIL, TimedUnit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-State = tuple[float, Floats, Floats]
-"""The part of its unit that a state takes, precision, and precision times mean."""
+State = tuple[int, float]
+"""A leaf of the trees, and the part of its unit that the state takes."""
 
 MOST_STATES = 4096
 """Units in context whose states are remembered: half of those of English news."""
@@ -37,6 +37,8 @@ class HmmMouth:
 
     def __init__(self, states: TiedStates, how: Smoothness) -> None:
         self._states = states
+        self._precision = 1 / states.var
+        self._weighted = self._precision * states.mean
         self._how = how
         self._state = lru_cache(MOST_STATES)(self._look_up)
 
@@ -59,25 +61,21 @@ class HmmMouth:
         while start > 0 and units[start].start > begin * rate:
             start -= 1
         edges: list[float] = []
-        rows: list[State] = []
+        leaves: list[int] = []
         for i in range(start, last + 1):
             unit = units[i]
             here, length = unit.start / rate, (unit.end - unit.start) / rate
-            states = self._state(_context(units, i))
-            for state in states:
+            for leaf, share in self._state(_context(units, i)):
+                leaves.append(leaf)
                 edges.append(here)
-                here += state[0] * length
-            rows += states
+                here += share * length
         edges.append(units[last].end / rate)
         bounds = np.array(edges)
-        precision, weighted = np.array([row[1] for row in rows]), np.array([row[2] for row in rows])
-        return Segments(bounds[:-1], bounds[1:], precision, weighted)
+        return Segments(bounds[:-1], bounds[1:], self._precision[leaves], self._weighted[leaves])
 
     def _look_up(self, context: Context) -> tuple[State, ...]:
-        states = self._states.states(context)
-        precision = 1 / self._states.var[states]
-        shares = self._states.shares(states).tolist()
-        return tuple(zip(shares, precision, precision * self._states.mean[states], strict=True))
+        leaves = self._states.states(context)
+        return tuple(zip(leaves.tolist(), self._states.shares(leaves).tolist(), strict=True))
 
 
 def _begins(of: Ints) -> NDArray[np.bool_]:

@@ -20,6 +20,7 @@ import numpy as np
 
 from fapstream.client import ServerError, connect
 from fapstream.client import Talker as Client
+from fapstream.protocol import generated as g
 from tests.benchmarks.bench_listeners import Listener
 from tests.benchmarks.bench_memory import visit
 from tests.benchmarks.bench_talkers import VOICES
@@ -32,8 +33,10 @@ LATE_MS = 120.0
 WARM_S = 300.0
 """After so long all workers have touched what they have in common, and sessions that linger end as fast as
 they come."""
+SETTLED_S = g.LINGER_MS / 1000 + 5
+"""After so long the first sessions that linger have ended; measuring begins."""
 GROWTH, SHORT_GROWTH = 1.05, 1.10
-"""How much memory may grow from then on; in a run that is over before, from its beginning."""
+"""How much memory may grow once workers are warm; in a run that is over before, since measuring began."""
 TEXT = "This is said while much else goes on, and it is interrupted, revised, paused and said again. " * 2
 
 
@@ -131,7 +134,7 @@ async def soak(address: str, pid: int, seconds: float, talkers: int) -> list[str
         await one.start(address)
         await asyncio.sleep(0.05)
     tasks = [asyncio.create_task(work()) for work in (run.visitors, run.fickle, run.fickle, run.killer)]
-    await asyncio.sleep(min(20.0, seconds / 3))
+    await asyncio.sleep(SETTLED_S)
     run.tally.clear()
     memory, files, start = pss_kb(pid), run.files(), time.monotonic()
     growth = SHORT_GROWTH

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fapstream.errors import ClipError
-from fapstream.learn.hearing import HearingFit, _error, paired, stacked
-from fapstream.motion.hearing import BANDS, DEEP, STACKED
+from fapstream.learn.hearing import HearingFit, _error, paired, stacked, warp
+from fapstream.motion.hearing import BANDS, DEEP, STACKED, centres
 from tests.unit.voicing import voicing
 
 
@@ -50,6 +50,16 @@ def test_another_microphone_hears_something_else_of_the_same() -> None:
     middle = slice(15, 35)
     assert np.corrcoef(plain[middle].ravel(), other[middle].ravel())[0, 1] > 0.5
     assert np.array_equal(stacked(pcm, np.random.default_rng(2)), other)
+
+
+def test_formants_move_with_the_vocal_tract() -> None:
+    """A band's energy is found where one so many times as high is, and nothing is made of silence."""
+    hump = np.exp(-0.5 * ((centres() - 1000) / 150) ** 2)
+    assert (hump @ warp(1.0)) == pytest.approx(hump)
+    for times in (0.85, 1.2):
+        moved = hump @ warp(times)
+        assert (moved @ centres()) / moved.sum() == pytest.approx(times * 1000, rel=0.05)
+    assert np.full(BANDS, -DEEP) @ warp(1.1) == pytest.approx(np.full(BANDS, -DEEP))
 
 
 def test_clips_are_paired_with_what_their_faces_did() -> None:
