@@ -112,8 +112,8 @@ def paired(
     sounds: Sequence[Pcm], parameters: Sequence[Floats], speech: Sequence[slice], seed: int = 0
 ) -> tuple[Floats, Floats]:
     """What is heard in clips and what the faces did, 20 ms apart: each clip as it is and as somebody
-    else at another microphone would have said it. `parameters`: of whole clips, (t, n), 100 a second; `speech`:
-    the frames of them that count."""
+    else at another microphone would have said it. `parameters`: of whole clips, (t, n), 100 a second;
+    `speech`: the frames of them that count."""
     rng = np.random.default_rng(seed)
     x, y = [], []
     for pcm, made, frames in zip(sounds, parameters, speech, strict=True):

@@ -77,6 +77,10 @@ def test_no_words(real: Port, transcript: str) -> None:
 def test_no_speech(real: Port, sound: Pcm, transcript: str) -> None:
     with pytest.raises(ClipError, match="do not fit the sound"):
         real.align(sound, transcript)
+
+
+@pytest.mark.parametrize("sound", [NOISE, HUM], ids=["noise", "hum"])
+def test_no_words_in_the_sound(real: Port, sound: Pcm) -> None:
     with pytest.raises(ClipError, match="no words can be understood"):
         real.recognise(sound)
 

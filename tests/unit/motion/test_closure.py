@@ -49,6 +49,8 @@ MOST_SLIT = 0.01
 MOST_PRESSED_M = 0.003
 """Lips are soft; deeper into each other would be seen."""
 MOST_FROM_TEETH_M = 0.0006
+NEAR_M = 0.0006
+"""Points of the teeth are no further apart."""
 MOST_BITTEN_M = 0.0015
 """How far the lower lip may be off the edge of the upper teeth, or yield to it."""
 
@@ -64,6 +66,8 @@ class Lips:
     """Triangles (n, 3) of the lower lip and its inner side, by part."""
     teeth: NDArray[np.float64]
     """Points (n, 3) on the lowest 3 mm of the upper incisors, metres."""
+    near: cKDTree
+    """Of the teeth."""
 
     def slit(self, values: NDArray[np.int16]) -> NDArray[np.float64]:
         """How far the lips are apart in each column, metres; negative where they are pressed together."""
@@ -82,12 +86,13 @@ class Lips:
         """How near the lower lip comes to the upper incisors, and how deep it is in them, metres."""
         positions = deform(self.head, values)
         lip = np.vstack([_spread(positions[part][t]) for part, t in self.inside.items()])
-        near = cKDTree(self.teeth).query(lip)[0].min()
-        return float(near), max(map(self._depth, lip))
+        between = (lip > self.teeth.min(axis=0) - NEAR_M) & (lip < self.teeth.max(axis=0) + NEAR_M)
+        deepest = max(map(self._depth, lip[between.all(axis=1)]), default=0.0)
+        return float(self.near.query(lip)[0].min()), deepest
 
     def _depth(self, point: NDArray[np.float64]) -> float:
         """The shortest way out of the teeth for a point of the lip: forward, back or down. 0 outside."""
-        off = np.abs(self.teeth - point) < 0.0006
+        off = np.abs(self.teeth - point) < NEAR_M
         across, over = self.teeth[off[:, 0] & off[:, 1], 2], self.teeth[off[:, 0] & off[:, 2], 1]
         if not across.size or not over.size:
             return 0.0
@@ -116,7 +121,8 @@ def lips(name: str) -> Lips:
     for part in parts:
         lip = (down[part.name] > 0.3 * most) & (np.abs(part.positions[:, 0]) < 0.007)
         inside[part.name] = part.triangles[lip[part.triangles].all(axis=1)].astype(np.intp)
-    return Lips(head, np.flatnonzero(upper), np.flatnonzero(lower), inside, _incisors(whole))
+    teeth = _incisors(whole)
+    return Lips(head, np.flatnonzero(upper), np.flatnonzero(lower), inside, teeth, cKDTree(teeth))
 
 
 def _incisors(head: Head) -> NDArray[np.float64]:
