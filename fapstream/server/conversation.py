@@ -34,7 +34,6 @@ Reason = Literal["end", "interrupted", "failed"]
 HIGH_WATER = 65_536
 """With more than so many bytes waiting to go, the speaker waits."""
 
-
 LATE_S = 0.02
 """A packet that leaves so long after it was due counts as late."""
 
@@ -158,11 +157,8 @@ class Conversation:
                 self._open(self._spoken(event.opening))
             if isinstance(turn := self._turns.get(event.turn), SpokenTurn):
                 turn.feed(event.text)
-        except TextTooLong as e:
-            await self._refuse(event.turn, e)
         except FapstreamError as e:
-            await self._refuse(event.turn, e)
-            await self.send(g.Done(turn=event.turn, reason="failed", samples=0))
+            await self._refuse(event.turn, e, failed=not isinstance(e, TextTooLong))
 
     async def _hear(self, event: g.Hear) -> None:
         try:
@@ -171,11 +167,8 @@ class Conversation:
                 self._open(HeardTurn(event, self._service, self._hello.fps or 25, lang))
             if isinstance(turn := self._turns[event.turn], HeardTurn):
                 turn.feed(event.pcm)
-        except TooManyTurns as e:
-            await self._refuse(event.turn, e)
-            await self.send(g.Done(turn=event.turn, reason="failed", samples=0))
-        except SoundTooLong as e:
-            await self._refuse(event.turn, e)
+        except FapstreamError as e:
+            await self._refuse(event.turn, e, failed=not isinstance(e, SoundTooLong))
 
     async def _end(self, event: EndOfText) -> None:
         if not (turn := self._turns.get(event.turn)):
@@ -344,9 +337,12 @@ class Conversation:
             g.Done(turn=turn.number, reason="interrupted", samples=turn.sent, heard=heard, char=char)
         )
 
-    async def _refuse(self, turn: int, error: FapstreamError) -> None:
+    async def _refuse(self, turn: int, error: FapstreamError, failed: bool = False) -> None:
+        """Say so; `failed`: that is the end of the turn, or it never began."""
         self._service.meter.count("errors", label=error.code)
         await self.send(g.Error(code=error.code, message=str(error)[:1000], fatal=False, turn=turn))
+        if failed:
+            await self.send(g.Done(turn=turn, reason="failed", samples=0))
 
     # what goes out
 
