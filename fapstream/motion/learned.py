@@ -111,7 +111,7 @@ class LearnedMouth:
         hidden = self._hidden.at(samples)
         numbers = np.rint(np.atleast_1d(samples) / self._step).astype(np.int64)
         while self._next <= numbers[-1]:
-            self._make(int(numbers[-1]))
+            self._make()
         first = self._next - len(self._rows)
         rows = np.array(self._rows)[np.maximum(numbers - first, 0)]
         hidden.values[..., COLUMNS] = rows if np.ndim(samples) else rows[0]
@@ -132,12 +132,12 @@ class LearnedMouth:
         """The first instant at a sample or after it."""
         return ceil(sample / self._step - 1e-9)
 
-    def _make(self, until: int) -> None:
-        """The next instants, to that one or further: of a silence, or of units up to the next one."""
+    def _make(self) -> None:
+        """The next instants: of a silence, or of units up to the next one, as far as they are known."""
         while self._ceil(self._units[self._at].end) <= self._next:
             self._at += 1
         self._forget()
-        of = self._of_silence() if self._units[self._at].name == SIL else self._of_speech(until)
+        of = self._of_silence() if self._units[self._at].name == SIL else self._of_speech()
         window = self._window(int(of[-1]))
         known = self._units[self._at].name != SIL or len(window) > self._at + 1
         if self._guessed and known:
@@ -154,13 +154,13 @@ class LearnedMouth:
         """The unit of each instant that is made next, in a silence."""
         return np.full(min(PIECE, self._ceil(self._units[self._at].end) - self._next), self._at)
 
-    def _of_speech(self, until: int) -> Ints:
-        """The same of whole units, as many as are known and wanted, or fill a run."""
+    def _of_speech(self) -> Ints:
+        """The same of whole units, as many as are known, or fill a run."""
         known_until = max(self._known_until(), self._silence[0])
         found: list[int] = []
         for at in range(self._at, len(self._units)):
             unit, number = self._units[at], self._next + len(found)
-            if found and (number > until or len(found) >= RUN or unit.name == SIL or unit.end > known_until):
+            if found and (len(found) >= RUN or unit.name == SIL or unit.end > known_until):
                 break
             found += [at] * (self._ceil(unit.end) - number)
         return np.array(found)
