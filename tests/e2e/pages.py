@@ -34,3 +34,11 @@ async def embed(page: Page, elsewhere: tuple[Path, str], server: str, socket: st
     await page.wait_for_function("document.querySelector('#head').server !== null")
     await asyncio.sleep(1.0)
     return complaints
+
+
+async def until(page: Page, expression: str, timeout_s: float = 30.0) -> None:
+    """Wait until it is true on a page of ours, whose policy forbids what Playwright's own waiting does: to
+    evaluate text time and again in the page."""
+    async with asyncio.timeout(timeout_s):
+        while not await page.evaluate(expression):
+            await asyncio.sleep(0.05)

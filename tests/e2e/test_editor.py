@@ -12,6 +12,7 @@ from playwright.async_api import Browser, Page, expect
 from fapstream.adapt import read_points
 from fapstream.head.gltf import read_head
 from tests.benchmarks.server import server
+from tests.e2e.pages import until
 from tests.e2e.sound import RATE, Recorder
 
 PHOTOS = Path(__file__).parents[1] / "unit/adapters/photos"
@@ -98,9 +99,7 @@ async def test_two_photos_are_dragged_into_a_head_that_speaks(
 
         await page.get_by_role("button", name="Make the head").click()
         await page.locator("#stage fap-head").wait_for(timeout=SLOW_MS)
-        await page.wait_for_function(
-            "document.querySelector('#stage fap-head').server !== null", timeout=SLOW_MS
-        )
+        await until(page, "document.querySelector('#stage fap-head').server !== null")
         await asyncio.sleep(2.0)
         recorder = Recorder(card)
         await asyncio.sleep(0.5)

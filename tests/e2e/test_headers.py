@@ -12,6 +12,7 @@ from playwright.async_api import Browser, BrowserContext, Page, expect
 
 from fapstream.server.http import PAGE_POLICY
 from tests.benchmarks.server import server
+from tests.e2e.pages import until
 
 PHOTOS = Path(__file__).parents[1] / "unit/adapters/photos"
 SLOW_MS = 30_000
@@ -88,7 +89,7 @@ async def test_what_was_smuggled_in_does_nothing(
     """That the policy is heeded, else the other tests would say nothing."""
     page, _ = await watched(await browser.new_context(), f"http://{here}/")
     await page.evaluate(f"() => {{ {smuggled}; }}")
-    await page.wait_for_function("() => window.violations.length > 0")
+    await until(page, "window.violations.length > 0")
     assert directive in (await page.evaluate("window.violations"))[0]
 
 

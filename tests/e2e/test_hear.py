@@ -15,7 +15,7 @@ from fapstream.motion.articulation import COLUMNS
 from fapstream.records import Packet
 from tests.benchmarks.speech import spoken
 from tests.e2e.conftest import AUTOPLAY, CHROMIUM
-from tests.e2e.pages import visit
+from tests.e2e.pages import until, visit
 from tests.e2e.sound import RATE, Recorder
 
 TEXT = "Bring the blue box back by five, and tell me more about it."
@@ -85,7 +85,7 @@ async def test_the_page_has_a_microphone(card: dict[str, str], address: str, tmp
         )  # fmt: skip
         page = await browser.new_page(viewport={"width": 1000, "height": 700})
         await page.goto(f"http://{address}/")
-        await page.wait_for_function("document.querySelector('#head').server !== null")
+        await until(page, "document.querySelector('#head').server !== null")
         await page.click("#mic")
         await page.wait_for_selector("#mic[aria-pressed=true]")
         await page.wait_for_selector("#stop:not([disabled])")
