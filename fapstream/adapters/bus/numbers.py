@@ -10,6 +10,8 @@ from __future__ import annotations
 import secrets
 import struct
 from collections import OrderedDict
+from collections.abc import Callable
+from time import monotonic
 
 from fapstream.adapters.bus.channels import MAX_ENTRY
 from fapstream.errors import InputError
@@ -18,6 +20,9 @@ HEADER = struct.Struct("!8sQ")
 MAX_STAMPED = HEADER.size + MAX_ENTRY
 MAX_COUNTED = 4096
 """Channels whose numbers a publisher knows; in another it begins anew, as another publisher."""
+AFRESH_S = 1.5
+"""Who was silent in a channel for so long begins anew as well: those who came meanwhile may have been told
+what others published, and would take entries from before they came for lost."""
 MAX_ORIGINS = 16
 """Publishers of one channel that a follower tells apart."""
 
@@ -25,13 +30,18 @@ MAX_ORIGINS = 16
 class Numbers:
     """Numbers what one process publishes."""
 
-    def __init__(self) -> None:
-        self._next: OrderedDict[str, tuple[bytes, int]] = OrderedDict()
+    def __init__(self, now: Callable[[], float] = monotonic) -> None:
+        self._now = now
+        self._next: OrderedDict[str, tuple[bytes, int, float]] = OrderedDict()
+        """Of each channel who publishes, the next number, and until when that holds."""
 
     def stamp(self, channel: str, entry: bytes) -> bytes:
         """The entry with its number before it."""
-        origin, number = self._next.get(channel) or (secrets.token_bytes(8), 0)
-        self._next[channel] = origin, number + 1
+        now = self._now()
+        origin, number, until = self._next.get(channel) or (b"", 0, now)
+        if until <= now:
+            origin, number = secrets.token_bytes(8), 0
+        self._next[channel] = origin, number + 1, now + AFRESH_S
         self._next.move_to_end(channel)
         if len(self._next) > MAX_COUNTED:
             self._next.popitem(last=False)

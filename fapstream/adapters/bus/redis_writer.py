@@ -38,7 +38,7 @@ class Writer:
         self._redis = redis
         self._bell = bell
         self._now = now
-        self._numbers = Numbers()
+        self._numbers = Numbers(now)
         self._waiting: Waiting[tuple[str, bytes]] = Waiting(OUTBOX, now)
         self._batch: list[tuple[str, bytes]] = []
         self._taken_at = 0.0

@@ -27,7 +27,7 @@ class HubBus:
         """`path`: the hub's socket."""
         self._path = path
         self._state = State(path)
-        self._numbers = Numbers()
+        self._numbers = Numbers(now)
         self._waiting: Waiting[bytes] = Waiting(OUTBOX, now)
         self._following = Following(self._wanted, self._unwanted, now)
         self._open: set[str] = set()

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fapstream.adapters.bus import numbers as module
-from fapstream.adapters.bus.numbers import HEADER, MAX_STAMPED, Follower, Numbers
+from fapstream.adapters.bus.numbers import AFRESH_S, HEADER, MAX_STAMPED, Follower, Numbers
 from fapstream.errors import InputError
 
 
@@ -52,6 +52,20 @@ def test_another_publisher_begins_without_a_gap_or_is_known_to_have_begun_before
     first, second = published(2), published(3)
     assert received(Follower(), first + second) == [b"0", b"1", b"0", b"1", b"2"]
     assert received(Follower(), first + second[1:]) == [b"0", b"1", None, b"1", b"2"]
+
+
+def test_who_was_long_silent_is_not_thought_to_have_been_missed() -> None:
+    """One who comes in while others publish has seen nothing of what one published long before who then goes
+    on."""
+    clock = [0.0]
+    one, two = Numbers(lambda: clock[0]), Numbers(lambda: clock[0])
+    published(3, numbers=one)
+    clock[0] = AFRESH_S
+    seen = published(2, numbers=two) + published(2, numbers=one)
+    assert received(Follower(), seen) == [b"0", b"1", b"0", b"1"]
+    clock[0] += AFRESH_S - 0.01
+    lost = published(2, numbers=one)[1:]
+    assert received(Follower(), seen + lost) == [b"0", b"1", b"0", b"1", None, b"1"]
 
 
 def test_publishers_may_take_turns() -> None:
